@@ -1,0 +1,1 @@
+//! Exact oracles, naive twins and laws for voxdag.

@@ -1,0 +1,1 @@
+//! voxdag in the browser.
