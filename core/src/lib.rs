@@ -30,6 +30,7 @@ pub mod obj;
 #[cfg(feature = "alloc")]
 pub mod triangulate;
 
+pub mod build;
 pub mod dag;
 pub mod trace;
 
