@@ -15,5 +15,6 @@ pub mod ray;
 
 pub mod octree;
 pub mod scenes;
+pub mod subject;
 pub mod table;
 pub mod textbook;
