@@ -37,6 +37,8 @@ pub mod build;
 pub mod dag;
 pub mod materials;
 pub mod octahedral;
+#[cfg(feature = "alloc")]
+pub mod scene;
 pub mod table;
 pub mod trace;
 

@@ -330,7 +330,7 @@ impl Ray {
             enter = enter.max(a.min(b));
         }
         far = far.max(leave.abs()).max(enter.abs());
-        if !(self.origin.iter().chain(&self.dir).all(|x| tame(*x)) && far >= TINY && far <= HUGE) {
+        if !(self.origin.iter().chain(&self.dir).all(|x| tame(*x)) && tame(far) && far != 0.0) {
             return;
         }
         self.time_slack = far * UNIT;
