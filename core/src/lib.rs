@@ -36,6 +36,8 @@ pub mod octahedral;
 pub mod table;
 pub mod trace;
 
+pub mod file;
+
 pub use dag::Dag;
 pub use grid::Grid;
 pub use material::Material;
