@@ -153,9 +153,8 @@ fn words_depend_on_the_set_alone() {
     }
 }
 
-/// Fills the empty table in `words` with as many threads as there are parts.
-fn fill_apart(words: &mut [u32], entries: &[(Morton, Entry)], parts: u32) -> Result<(), InsertError> {
-    let mut table = TableMut::new(words, true).unwrap();
+/// Fills a table with as many threads as there are parts.
+fn fill_apart(table: &mut TableMut<'_>, entries: &[(Morton, Entry)], parts: u32) -> Result<(), InsertError> {
     let filled: Result<Vec<_>, _> = std::thread::scope(|scope| {
         let threads = table
             .split(parts)
@@ -179,13 +178,20 @@ fn threads_write_the_words_that_one_writes() {
             // A key that comes twice keeps its last value.
             let twice: Vec<_> = entries.iter().map(|&(k, _)| (k, entry(0))).chain(entries.iter().copied()).collect();
             let mut words = vec![0; expected.len()];
-            fill_apart(&mut words, &twice, parts).unwrap();
+            fill_apart(&mut TableMut::new(&mut words, true).unwrap(), &twice, parts).unwrap();
             assert!(words == expected, "{count} in {slots}, {parts} parts");
         }
     }
     let too_many: Vec<_> = (0..8).map(|k| (Morton(k), entry(1))).collect();
     let mut words = vec![0; Table::words_for(8, true) as usize];
-    assert_eq!(fill_apart(&mut words, &too_many, 3), Err(InsertError::Full { missing: 2 }));
+    let mut table = TableMut::new(&mut words, true).unwrap();
+    assert_eq!(fill_apart(&mut table, &too_many, 3), Err(InsertError::Full { missing: 2 }));
+    // A table on the heap is filled the same way, beyond half if need be, and still grows after that.
+    let mut buf = TableBuf::new(4, false).unwrap();
+    buf.fill(|table| fill_apart(table, &too_many[..7], 2)).unwrap();
+    assert_eq!((buf.as_table().slots(), buf.as_table().max_material()), (8, 1));
+    buf.insert_all(too_many).unwrap();
+    assert_eq!((buf.as_table().slots(), Table::new(buf.as_table().words()).map(|t| t.len())), (16, Ok(8)));
     // Entries that were there before stay.
     let mut table = TableMut::new(&mut words, true).unwrap();
     table.insert(Morton(1000), entry(5)).unwrap();

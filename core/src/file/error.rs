@@ -54,10 +54,7 @@ pub enum LoadError {
     /// The magic is byte-swapped: the words are big-endian.
     Endianness,
     /// The file begins like a text, an OBJ file maybe.
-    Text {
-        /// The first word.
-        found: u32,
-    },
+    Text,
     /// A version that this reader does not know.
     Version {
         /// The version.
@@ -201,7 +198,7 @@ impl core::fmt::Display for LoadError {
         match *self {
             Magic { found } => write!(f, "this is no .vxd file: it starts with {:02x?}", found.to_le_bytes()),
             Endianness => write!(f, "the words are big-endian: expected little-endian; swap the bytes of each word"),
-            Text { .. } => write!(f, "this is no .vxd file but a text: if it is a mesh, build it first"),
+            Text => write!(f, "this is no .vxd file but a text: if it is a mesh, build it first"),
             Version { found } => write!(f, "version {found} of the format is unknown: expected {VERSION}"),
             Truncated { expected, found } => {
                 write!(f, "the file is cut short: expected {expected} words, found {found}")

@@ -166,7 +166,7 @@ fn check_magic(first: Option<u32>) -> Result<(), LoadError> {
     match found {
         MAGIC => Ok(()),
         _ if found == MAGIC.swap_bytes() => Err(LoadError::Endianness),
-        _ if found.to_le_bytes().into_iter().all(is_text) => Err(LoadError::Text { found }),
+        _ if found.to_le_bytes().into_iter().all(is_text) => Err(LoadError::Text),
         _ => Err(LoadError::Magic { found }),
     }
 }

@@ -123,8 +123,7 @@ impl<'a> TableMut<'a> {
     /// Inserts all entries in turn; several times as fast as one by one where the table is larger than the caches.
     /// After an error all entries before the refused one are in.
     pub fn insert_all(&mut self, entries: impl IntoIterator<Item = (Morton, Entry)>) -> Result<(), InsertError> {
-        let stride = self.stride;
-        in_batches(entries, |voxel, entry| Pending::new(voxel, entry, stride).map(Some), |batch| self.put_all(batch))
+        in_batches(entries, self.stride, |_| true, |batch| self.put_all(batch))
     }
 
     /// Inserts the entries that another table's slots hold, in the order of their hashes.
@@ -172,29 +171,31 @@ pub(super) fn full_by(len: u64, slots: u64) -> InsertError {
     InsertError::Full { missing: (8 * len).div_ceil(7) - slots }
 }
 
-/// Hands entries on in batches; `prepare` may pass over some. Those before a refused one are handed on too.
+/// Hands entries on in batches, those of them that are said to be wanted. Those before a refused one are handed on too.
+#[inline]
 pub(super) fn in_batches(
     entries: impl IntoIterator<Item = (Morton, Entry)>,
-    prepare: impl Fn(Morton, Entry) -> Result<Option<Pending>, InsertError>,
+    stride: usize,
+    wanted: impl Fn(&Pending) -> bool,
     mut put_all: impl FnMut(&[Pending]) -> Result<(), InsertError>,
 ) -> Result<(), InsertError> {
     let mut batch = [Pending::default(); BATCH];
     let mut count = 0;
     for (voxel, entry) in entries {
-        match prepare(voxel, entry) {
-            Ok(None) => {}
-            Ok(Some(pending)) => {
+        match Pending::new(voxel, entry, stride) {
+            Ok(pending) => {
+                // What is not wanted is overwritten by the next: no branch, as nothing could predict it.
                 batch[count] = pending;
-                count += 1;
-                if count == BATCH {
-                    put_all(&batch)?;
-                    count = 0;
-                }
+                count += usize::from(wanted(&pending));
             }
             Err(error) => {
                 put_all(&batch[..count])?;
                 return Err(error);
             }
+        }
+        if count == BATCH {
+            put_all(&batch)?;
+            count = 0;
         }
     }
     put_all(&batch[..count])

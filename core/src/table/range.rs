@@ -147,7 +147,12 @@ impl Range<'_> {
     #[inline]
     fn write(&mut self, slot: u64, new: &Pending) {
         let word = self.word(slot);
-        let values = [new.key as u32, (new.key >> 32) as u32, u32::from(new.material), new.normal];
-        self.words[word..word + self.stride].copy_from_slice(&values[..self.stride]);
+        // Four stores are faster than a copy of a length known only when it runs.
+        if let [low, high, material, normal @ ..] = &mut self.words[word..word + self.stride] {
+            (*low, *high, *material) = (new.key as u32, (new.key >> 32) as u32, u32::from(new.material));
+            if let [normal] = normal {
+                *normal = new.normal;
+            }
+        }
     }
 }

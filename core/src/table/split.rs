@@ -30,12 +30,12 @@ impl<'a> TablePart<'a> {
     /// Inserts those of the entries that belong to this part and passes over the others; see
     /// [`TableMut::insert_all`]. Every part is to be given all entries.
     pub fn insert_all(&mut self, entries: impl IntoIterator<Item = (Morton, Entry)>) -> Result<(), InsertError> {
-        let (stride, slots, homes) = (self.range.stride, self.range.slots, self.range.first..self.homes_end);
-        let prepare = |voxel, entry| {
-            let pending = Pending::new(voxel, entry, stride)?;
-            Ok(Some(pending).filter(|pending| homes.contains(&home(pending.hash, slots))))
+        let (stride, slots, first, end) = (self.range.stride, self.range.slots, self.range.first, self.homes_end);
+        let mine = |pending: &Pending| {
+            let home = home(pending.hash, slots);
+            (first <= home) & (home < end)
         };
-        in_batches(entries, prepare, |batch| {
+        in_batches(entries, stride, mine, |batch| {
             self.range.touch(batch);
             batch.iter().try_for_each(|pending| self.put(pending))
         })
