@@ -42,6 +42,8 @@ pub mod scene;
 pub mod table;
 pub mod trace;
 
+pub mod file;
+
 pub use dag::Dag;
 pub use grid::Grid;
 pub use material::Material;
