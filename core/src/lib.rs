@@ -31,7 +31,16 @@ pub mod obj;
 pub mod triangulate;
 
 pub mod dag;
+pub mod materials;
 pub mod trace;
+
+pub mod normal;
+
+pub mod color;
+pub mod shade;
+
+pub mod camera;
+pub mod render;
 
 pub use dag::Dag;
 pub use grid::Grid;
