@@ -478,7 +478,7 @@ fn accuracy_on_a_sphere() {
         .collect();
     for (name, voxels) in [("thin", thin), ("cover", cover)] {
         for (kind, mean_limit, largest_limit) in
-            [(NormalKind::Plane1, 6.6, 30.0), (NormalKind::Plane2, 2.4, 13.0), (NormalKind::Plane3, 1.3, 7.5)]
+            [(NormalKind::Plane1, 6.6, 30.0), (NormalKind::Plane2, 2.4, 16.0), (NormalKind::Plane3, 1.3, 9.0)]
         {
             let (mean, largest) = errors(7, &voxels, kind, from_center);
             println!("sphere, {name}, {kind:?}: mean {mean:.2}, largest {largest:.1} degrees");
@@ -510,6 +510,6 @@ fn accuracy_on_tilted_planes() {
         }
         let means = sums.map(|s| s / f64::from(ROUNDS));
         println!("tilted planes, {name}: means {means:.2?} degrees");
-        assert!(means[0] <= 7.0 && means[1] <= 2.4 && means[2] <= 1.3, "seed {SEED}, {name}: {means:?}");
+        assert!(means[0] <= 7.5 && means[1] <= 2.4 && means[2] <= 1.3, "seed {SEED}, {name}: {means:?}");
     }
 }
