@@ -30,8 +30,14 @@ pub mod obj;
 #[cfg(feature = "alloc")]
 pub mod triangulate;
 
+#[cfg(feature = "alloc")]
+pub mod voxelize;
+
+pub mod build;
 pub mod dag;
 pub mod materials;
+pub mod octahedral;
+pub mod table;
 pub mod trace;
 
 pub mod normal;
@@ -45,5 +51,7 @@ pub mod render;
 pub use dag::Dag;
 pub use grid::Grid;
 pub use material::Material;
+pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use table::{Table, TableMut};
