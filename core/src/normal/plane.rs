@@ -37,14 +37,12 @@ pub(super) enum Fit {
 /// The plane of least squares.
 pub(super) fn fit(m: &Moments) -> Fit {
     // n^2 times the covariance, then the adjugate; off-diagonals by the axis that is missing.
-    let wide = |a: [i32; 3]| a.map(i64::from);
-    let (n, s) = (i64::from(m.count), wide(m.first));
-    let (squares, products) = (wide(m.squares), wide(m.products));
+    let (n, s) = (m.count, m.first);
     let next = |i: usize| ((i + 1) % 3, (i + 2) % 3);
-    let d: [i64; 3] = core::array::from_fn(|i| n * squares[i] - s[i] * s[i]);
+    let d: [i64; 3] = core::array::from_fn(|i| n * m.squares[i] - s[i] * s[i]);
     let o: [i64; 3] = core::array::from_fn(|i| {
         let (j, k) = next(i);
-        n * products[i] - s[j] * s[k]
+        n * m.products[i] - s[j] * s[k]
     });
     let adj_d: [i64; 3] = core::array::from_fn(|i| {
         let (j, k) = next(i);
@@ -96,8 +94,8 @@ fn smallest_root(t: f64, e2: f64, e3: f64) -> f64 {
             break;
         }
         l += step;
-        // Convergence is quadratic: what is left is of the order of the square of this.
-        if step < 1e-8 * l {
+        // Convergence is quadratic: what is left is below three times the square of this.
+        if step < 1e-6 * l {
             break;
         }
     }

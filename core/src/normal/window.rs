@@ -1,11 +1,12 @@
 //! The filled voxels around a voxel, gathered as brick masks, and their moments.
 //!
-//! In: a DAG, a voxel and a radius r. Out: number, sums and sums of products of the coordinates, relative to the voxel, of
-//! the filled voxels in the (2 r + 1)^3 window around it. Exact integers; voxels outside the cube are absent.
+//! In: a DAG, a voxel and a radius r. Out: number, sums and sums of products of the coordinates of the filled voxels in
+//! the (2 r + 1)^3 window around it. Exact integers, counted from the window's first brick, so where the window lies does
+//! not matter; voxels outside the cube are absent.
 //!
-//! The descent is shared: at each level every node that the window meets is looked up once. Masks are summed by octants
-//! of 2^3 voxels (one byte each in Morton order), whose moments stand in a table: no population counts, which baseline
-//! x86-64 and wasm32 targets lack or emulate, and no look-up per voxel.
+//! All bricks of a window are reached from the lowest node that holds it. Masks are summed by octants of 2^3 voxels (one
+//! byte each in Morton order), whose moments stand in a table as packed numbers that are added as they are: no population
+//! counts, which baseline x86-64 and wasm32 lack or emulate, and no look-up per voxel.
 
 use crate::dag::{BRICK_LEVEL, Dag};
 use crate::morton::Morton;
@@ -14,16 +15,16 @@ use crate::morton::Morton;
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Moments {
     /// Number of voxels.
-    pub count: i32,
+    pub count: i64,
     /// Sums of x, y, z.
-    pub first: [i32; 3],
+    pub first: [i64; 3],
     /// Sums of xx, yy, zz.
-    pub squares: [i32; 3],
+    pub squares: [i64; 3],
     /// Sums of yz, xz, xy: the axis that is missing gives the index.
-    pub products: [i32; 3],
+    pub products: [i64; 3],
 }
 
-/// Moments of an octant of 2^3 voxels, a byte each: count, x, y, z, yz, xz, xy. Sums over a brick fit their bytes.
+/// Moments of an octant of 2^3 voxels: count, x, y, z in ten bits each, then yz, xz, xy in eight bits each.
 const OCTANT: [u64; 256] = {
     let mut table = [0; 256];
     let mut mask = 0;
@@ -32,7 +33,7 @@ const OCTANT: [u64; 256] = {
         while bit < 8 {
             if mask >> bit & 1 != 0 {
                 let (x, y, z) = (bit & 1, bit >> 1 & 1, bit >> 2);
-                table[mask] += 1 | x << 8 | y << 16 | z << 24 | (y & z) << 32 | (x & z) << 40 | (x & y) << 48;
+                table[mask] += 1 | x << 10 | y << 20 | z << 30 | (y & z) << 40 | (x & z) << 48 | (x & y) << 56;
             }
             bit += 1;
         }
@@ -40,6 +41,16 @@ const OCTANT: [u64; 256] = {
     }
     table
 };
+
+/// The count of packed moments.
+fn count(packed: u64) -> i64 {
+    (packed & 0x3ff) as i64
+}
+
+/// The sum along an axis of packed moments.
+fn sum(packed: u64, axis: usize) -> i64 {
+    count(packed >> (10 * (axis + 1)))
+}
 
 /// `SLABS[axis][from][to]`: the voxels of a brick with `from <= coordinate <= to`.
 const SLABS: [[[u64; 4]; 4]; 3] = {
@@ -65,53 +76,66 @@ const SLABS: [[[u64; 4]; 4]; 3] = {
     slabs
 };
 
-impl Moments {
-    /// Moments of a brick's voxels, relative to its corner.
-    fn of_brick(mask: u64) -> Moments {
-        let p = mask.to_le_bytes().map(|octant| OCTANT[octant as usize]);
-        // The halves with x, y, z >= 2, and the whole.
-        let [yz, xz, xy] = [p[6] + p[7], p[5] + p[7], p[3] + p[7]];
-        let half = [p[1] + p[5] + xy, p[2] + p[6] + xy, p[4] + p[5] + yz].map(u64::to_le_bytes);
-        let quarter = [yz, xz, xy].map(|q| i32::from(q as u8));
-        let all = (p[0] + p[1] + p[2] + p[3] + p[4] + p[5] + yz).to_le_bytes();
-        let byte = |bytes: [u8; 8], i: usize| i32::from(bytes[i]);
+/// Moments of the octants of a window, weighted by the octants' places (x, y, z in steps of two voxels).
+///
+/// The packed sums of a window seven voxels wide fit: at most 343 voxels, and at most 931 weighted by a place of 0 to 5.
+/// (Products overflow where they are weighted; they come last, and are read from the plain sum only.)
+#[derive(Default)]
+struct Sums {
+    plain: u64,
+    by_place: [u64; 3],
+    /// Counts, weighted by squares of places and by products; the axis that is missing gives the index.
+    squares: [i64; 3],
+    products: [i64; 3],
+}
 
-        // A coordinate is c + 2 h with the bits c within the octant and h of the half; bits are their own squares.
-        let mut m = Moments { count: byte(all, 0), ..Moments::default() };
+impl Sums {
+    /// Adds the voxels of the brick at `place` (in bricks) from the window's first one.
+    fn add(&mut self, place: [u32; 3], mask: u64) {
+        let p = mask.to_le_bytes().map(|octant| OCTANT[octant as usize]);
+        // The octants whose place within the brick is odd along two axes, along one, and all.
+        let quarter = [p[6] + p[7], p[5] + p[7], p[3] + p[7]];
+        let half = [p[1] + p[5] + quarter[2], p[2] + p[6] + quarter[2], p[4] + p[5] + quarter[0]];
+        let all = p[0] + p[2] + p[4] + p[6] + half[0];
+
+        let even = place.map(|b| 2 * u64::from(b));
+        let (n, h, e) = (count(all), half.map(count), even.map(|e| e as i64));
+        self.plain = self.plain.wrapping_add(all);
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            m.first[i] = byte(all, 1 + i) + 2 * byte(half[i], 0);
-            m.squares[i] = byte(all, 1 + i) + 4 * (byte(half[i], 1 + i) + byte(half[i], 0));
-            m.products[i] = byte(all, 4 + i) + 2 * (byte(half[j], 1 + k) + byte(half[k], 1 + j)) + 4 * quarter[i];
+            self.by_place[i] = self.by_place[i].wrapping_add(half[i].wrapping_add(even[i].wrapping_mul(all)));
+            self.squares[i] += h[i] + e[i] * (2 * h[i] + e[i] * n);
+            self.products[i] += count(quarter[i]) + e[j] * (h[k] + e[k] * n) + e[k] * h[j];
+        }
+    }
+
+    /// A coordinate is c + 2 p with the place p and the bit c, which is its own square.
+    fn moments(&self) -> Moments {
+        let mut m = Moments { count: count(self.plain), ..Moments::default() };
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let bits = sum(self.plain, i);
+            m.first[i] = bits + 2 * count(self.by_place[i]);
+            m.squares[i] = bits + 4 * (sum(self.by_place[i], i) + self.squares[i]);
+            let both = (self.plain >> (40 + 8 * i) & 0xff) as i64;
+            m.products[i] = both + 2 * (sum(self.by_place[j], k) + sum(self.by_place[k], j)) + 4 * self.products[i];
         }
         m
     }
+}
 
-    /// Adds the moments of the same voxels as `m`, moved by `offset`.
-    fn add_moved(&mut self, m: &Moments, offset: [i32; 3]) {
-        self.count += m.count;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let moved = m.first[i] + offset[i] * m.count;
-            self.first[i] += moved;
-            self.squares[i] += m.squares[i] + offset[i] * (m.first[i] + moved);
-            self.products[i] += m.products[i] + offset[j] * m.first[k] + offset[k] * (m.first[j] + offset[j] * m.count);
-        }
-    }
-
-    /// Moments of the filled voxels at most `radius` (0 to 3) away from `voxel` along each axis, relative to it.
+impl Moments {
+    /// Moments of the filled voxels at most `radius` (0 to 3) away from `voxel` along each axis.
     pub(super) fn around(dag: Dag<'_>, voxel: Morton, radius: u32) -> Moments {
-        let center = voxel.decode();
-        let mut moments = Moments::default();
-        each_brick(dag, center, radius, |corner, mask| {
-            let offset = core::array::from_fn(|i| corner[i] as i32 - center[i] as i32);
-            moments.add_moved(&Moments::of_brick(mask), offset);
-        });
-        moments
+        let mut sums = Sums::default();
+        each_brick(dag, voxel.decode(), radius, |place, mask| sums.add(place, mask));
+        sums.moments()
     }
 }
 
-/// Calls `each` with the corner and the mask, clipped to the window, of every brick that holds a voxel of it.
+/// Calls `each` with the place (in bricks from the window's first one) and the mask, clipped to the window, of every brick
+/// that holds a voxel of it.
+#[inline]
 fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut([u32; 3], u64)) {
     let last = (1 << dag.depth()) - 1;
     if dag.is_empty() || center.iter().any(|&c| c > last) {
@@ -119,65 +143,45 @@ fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut(
     }
     let lo = center.map(|c| c.saturating_sub(radius));
     let hi = center.map(|c| (c + radius).min(last));
-    let mut clipped = |brick: [u32; 3], word: usize| {
-        let corner = brick.map(|b| 4 * b);
-        let mut mask = dag.brick_at(word);
-        for i in 0..3 {
-            mask &= SLABS[i][lo[i].saturating_sub(corner[i]) as usize][(hi[i] - corner[i]).min(3) as usize];
-        }
-        if mask != 0 {
-            each(corner, mask);
-        }
-    };
 
     // Descend while one node holds the whole window.
-    let (mut level, mut word) = (dag.depth().max(BRICK_LEVEL), dag.root());
-    while level > BRICK_LEVEL && (0..3).all(|i| lo[i] >> (level - 1) == hi[i] >> (level - 1)) {
-        level -= 1;
-        let Some(child) = dag.child(word, octant(lo.map(|c| c >> level))) else { return };
-        word = child;
-    }
-    if level == BRICK_LEVEL {
-        return clipped(lo.map(|c| c >> level), word);
+    let (mut top, mut root) = (dag.depth().max(BRICK_LEVEL), dag.root());
+    let spread = (lo[0] ^ hi[0]) | (lo[1] ^ hi[1]) | (lo[2] ^ hi[2]);
+    while top > BRICK_LEVEL && spread >> (top - 1) == 0 {
+        top -= 1;
+        let Some(child) = dag.child(root, octant(lo, top)) else { return };
+        root = child;
     }
 
-    // Then level by level with all nodes that the window meets: at most two along an axis, as it is at most seven wide.
-    // Word 0 belongs to the header, so it stands for an empty node.
-    let mut nodes = [0; 8];
-    nodes[0] = word;
-    while level > BRICK_LEVEL {
-        let first = lo.map(|c| c >> level);
-        level -= 1;
-        let (from, to) = (lo.map(|c| c >> level), hi.map(|c| c >> level));
-        let mut below = [0; 8];
-        for z in from[2]..=to[2] {
-            for y in from[1]..=to[1] {
-                for x in from[0]..=to[0] {
-                    let parent = nodes[slot([x >> 1, y >> 1, z >> 1], first)];
-                    if parent == 0 {
-                        continue;
-                    }
-                    let Some(child) = dag.child(parent, octant([x, y, z])) else { continue };
-                    if level == BRICK_LEVEL {
-                        clipped([x, y, z], child);
-                    } else {
-                        below[slot([x, y, z], from)] = child;
-                    }
+    // Along each axis the window meets one to three bricks.
+    let (first, end) = (lo.map(|c| c / 4), hi.map(|c| c / 4));
+    let slab = |axis: usize, brick: u32| {
+        let (from, to) = (lo[axis].saturating_sub(4 * brick), (hi[axis] - 4 * brick).min(3));
+        SLABS[axis][(from & 3) as usize][to as usize]
+    };
+    for z in first[2]..=end[2] {
+        let in_z = slab(2, z);
+        for y in first[1]..=end[1] {
+            let in_zy = in_z & slab(1, y);
+            for x in first[0]..=end[0] {
+                let corner = [4 * x, 4 * y, 4 * z];
+                let (mut level, mut word) = (top, Some(root));
+                while let (Some(node), true) = (word, level > BRICK_LEVEL) {
+                    level -= 1;
+                    word = dag.child(node, octant(corner, level));
+                }
+                let mask = word.map_or(0, |word| dag.brick_at(word)) & in_zy & slab(0, x);
+                if mask != 0 {
+                    each([x - first[0], y - first[1], z - first[2]], mask);
                 }
             }
         }
-        nodes = below;
     }
 }
 
-/// The octant that a node takes in its parent.
-fn octant([x, y, z]: [u32; 3]) -> u32 {
-    x & 1 | (y & 1) << 1 | (z & 1) << 2
-}
-
-/// Place of a node among the up to 2^3 from `first` on.
-fn slot(node: [u32; 3], first: [u32; 3]) -> usize {
-    ((node[0] - first[0]) | (node[1] - first[1]) << 1 | (node[2] - first[2]) << 2) as usize & 7
+/// The octant of the node of a level that holds the voxel, in its parent.
+fn octant([x, y, z]: [u32; 3], level: u8) -> u32 {
+    x >> level & 1 | (y >> level & 1) << 1 | (z >> level & 1) << 2
 }
 
 #[cfg(test)]
@@ -185,11 +189,11 @@ mod tests {
     use super::*;
 
     /// Voxel by voxel.
-    fn naive(mask: u64, offset: [i32; 3]) -> Moments {
+    fn naive(mask: u64, corner: [u32; 3]) -> Moments {
         let mut m = Moments::default();
         for bit in (0..64u64).filter(|bit| mask >> bit & 1 != 0) {
             let p = Morton(bit).decode();
-            let p: [i32; 3] = core::array::from_fn(|i| p[i] as i32 + offset[i]);
+            let p: [i64; 3] = core::array::from_fn(|i| i64::from(p[i] + corner[i]));
             m.count += 1;
             for i in 0..3 {
                 m.first[i] += p[i];
@@ -208,11 +212,34 @@ mod tests {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
             masks[4] = state ^ state >> 29;
             for mask in masks {
-                let offset = [-3, 5, -6];
-                let mut moved = Moments::default();
-                moved.add_moved(&Moments::of_brick(mask), offset);
-                assert_eq!(moved, naive(mask, offset), "mask {mask:#x}");
+                let mut sums = Sums::default();
+                sums.add([0, 2, 1], mask);
+                assert_eq!(sums.moments(), naive(mask, [0, 8, 4]), "mask {mask:#x}");
             }
+        }
+    }
+
+    #[test]
+    fn the_fullest_windows_fit() {
+        for start in [[0u32; 3], [1, 2, 3], [3, 3, 3], [2, 3, 0]] {
+            let (mut sums, mut expected) = (Sums::default(), Moments::default());
+            for brick in 0..27u32 {
+                let place = [brick % 3, brick / 3 % 3, brick / 9];
+                let inside = |bit: &u64| {
+                    let p = Morton(*bit).decode();
+                    (0..3).all(|i| (start[i]..start[i] + 7).contains(&(p[i] + 4 * place[i])))
+                };
+                let mask = (0..64u64).filter(inside).map(|bit| 1 << bit).sum();
+                sums.add(place, mask);
+                let m = naive(mask, place.map(|b| 4 * b));
+                expected.count += m.count;
+                for i in 0..3 {
+                    expected.first[i] += m.first[i];
+                    expected.squares[i] += m.squares[i];
+                    expected.products[i] += m.products[i];
+                }
+            }
+            assert_eq!(sums.moments(), expected, "window from {start:?}");
         }
     }
 
