@@ -43,6 +43,13 @@ pub mod table;
 pub mod trace;
 
 pub mod file;
+pub mod normal;
+
+pub mod color;
+pub mod shade;
+
+pub mod camera;
+pub mod render;
 
 pub use dag::Dag;
 pub use grid::Grid;
