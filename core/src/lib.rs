@@ -27,11 +27,11 @@ pub mod mesh;
 pub mod triangulate;
 
 #[cfg(feature = "obj")]
-mod text;
-#[cfg(feature = "obj")]
 pub mod mtl;
 #[cfg(feature = "obj")]
 pub mod obj;
+#[cfg(feature = "obj")]
+mod text;
 
 pub mod dag;
 pub mod trace;

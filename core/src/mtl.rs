@@ -312,14 +312,8 @@ fn switch(word: &str) -> Option<bool> {
 
 /// The arguments of `map_Kd`: options, a file name that may hold spaces, and options again in some dialects.
 fn texture(arguments: &str, note: &mut impl FnMut(String)) -> Option<TextureMap> {
-    let mut map = TextureMap {
-        path: String::new(),
-        scale: [1.0; 3],
-        offset: [0.0; 3],
-        clamp: false,
-        base: 0.0,
-        gain: 1.0,
-    };
+    let mut map =
+        TextureMap { path: String::new(), scale: [1.0; 3], offset: [0.0; 3], clamp: false, base: 0.0, gain: 1.0 };
     let mut unknown = Vec::new();
     let mut rest = arguments;
     while !rest.is_empty() {
@@ -382,9 +376,7 @@ fn read_numbers<'a>(
     let mut count = 0;
     while count < most {
         let (word, behind) = split_keyword(rest);
-        // Without a file yet, the last word of the line is its name, even if that is a number.
-        let is_file = map.path.is_empty() && behind.is_empty();
-        let Some(value) = finite(word).filter(|x| (*x as f32).is_finite() && !is_file) else { break };
+        let Some(value) = finite(word).filter(|x| (*x as f32).is_finite()) else { break };
         values[count] = value as f32;
         count += 1;
         rest = behind;

@@ -139,7 +139,9 @@ impl<'a> Iterator for Statements<'a> {
         let mut joined = String::new();
         loop {
             joined.push_str(part);
-            joined.push(' ');
+            if !joined.is_empty() {
+                joined.push(' ');
+            }
             let Some(line) = self.physical_line() else { break };
             let Some(next) = continued(line) else {
                 joined.push_str(line);
@@ -166,11 +168,11 @@ pub(crate) fn split_keyword(statement: &str) -> (&str, &str) {
     }
 }
 
-/// The words of a list of numbers or indices, up to a `#`. (Names may hold a `#`: `Material #25` is one.)
+/// The words of a list of numbers or indices, up to one that begins with `#`. (Within a word it begins no comment:
+/// `1.#IND` is how some programs write NaN. Names may hold it anywhere: `Material #25` is one.)
 #[inline]
-pub(crate) fn words(arguments: &str) -> core::str::SplitAsciiWhitespace<'_> {
-    let end = arguments.as_bytes().iter().position(|&b| b == b'#').unwrap_or(arguments.len());
-    arguments[..end].split_ascii_whitespace()
+pub(crate) fn words(arguments: &str) -> impl Iterator<Item = &str> {
+    arguments.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
 }
 
 /// A number, if it is finite.

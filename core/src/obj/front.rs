@@ -90,7 +90,8 @@ pub(super) fn check(text: &str, notes: &mut Notes) -> Result<Checked, ImportErro
                 }
                 if found == 4 && fourth != 1.0 && !weighted {
                     weighted = true;
-                    let message = format!("v has the weight {fourth}; weights mean nothing to polygons and are skipped");
+                    let message =
+                        format!("v has the weight {fourth}; weights mean nothing to polygons and are skipped");
                     notes.push("", line, message);
                 }
                 write(&mut out.vertices, "v", words(arguments).take(3));
@@ -101,7 +102,9 @@ pub(super) fn check(text: &str, notes: &mut Notes) -> Result<Checked, ImportErro
                 let least = if normal { 3 } else { 1 };
                 let found = match numbers::<3>(arguments) {
                     Ok((found, _)) => found,
-                    Err(message) => return fail(format!("{keyword} {}: {message}; correct the line", quote(arguments))),
+                    Err(message) => {
+                        return fail(format!("{keyword} {}: {message}; correct the line", quote(arguments)));
+                    }
                 };
                 if found < least {
                     let expected = if normal { "3" } else { "1 to 3" };
@@ -173,7 +176,11 @@ pub(super) fn check(text: &str, notes: &mut Notes) -> Result<Checked, ImportErro
                         "l" | "p" => "has no area",
                         _ => "is not read",
                     };
-                    notes.push("", line, format!("statement {} {what}; it is skipped wherever it stands", quote(other)));
+                    notes.push(
+                        "",
+                        line,
+                        format!("statement {} {what}; it is skipped wherever it stands", quote(other)),
+                    );
                     unknown.insert(other.to_string());
                 }
             }
@@ -238,13 +245,7 @@ fn write<'a>(out: &mut String, keyword: &str, words: impl Iterator<Item = &'a st
 ///
 /// An index out of range is an error, but files that name texture coordinates or normals and have none at all are
 /// common enough (they were stripped): these are read without, and `absent` says so.
-fn corner(
-    word: &str,
-    seen: &Counts,
-    totals: &Counts,
-    absent: &mut [bool; 3],
-    out: &mut String,
-) -> Result<(), String> {
+fn corner(word: &str, seen: &Counts, totals: &Counts, absent: &mut [bool; 3], out: &mut String) -> Result<(), String> {
     let mut fields = word.split('/');
     for kind in 0..3 {
         let field = fields.next().unwrap_or("");
