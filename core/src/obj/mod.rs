@@ -228,13 +228,8 @@ fn ranks(materials: &[NamedMaterial]) -> Vec<u16> {
 
 /// Lets tobj read what the front wrote. A model of its answer holds consecutive faces of one material.
 fn parse(checked: &front::Checked) -> Result<Vec<tobj::Model>, ImportError> {
-    let options = tobj::LoadOptions {
-        triangulate: false,
-        single_index: false,
-        ignore_points: true,
-        ignore_lines: true,
-        ..Default::default()
-    };
+    // Polygons stay whole, and keep an index per attribute; the front let no points or lines through.
+    let options = tobj::LoadOptions::default();
     let hook = b"mtllib numbers\n";
     let mut reader = hook.chain(checked.vertices.as_bytes()).chain(checked.faces.as_bytes());
     let numbers = |_: &std::path::Path| -> tobj::MTLLoadResult {
