@@ -252,6 +252,37 @@ fn polygons_that_touch_themselves_are_covered_once() {
     let hole = [[0, 0], [9, 0], [9, 9], [0, 9], [0, 0], [3, 3], [3, 6], [6, 6], [6, 3], [3, 3]];
     assert_eq!(area(&hole), 2 * (81 - 9));
     check_cover(&hole, "hole");
+
+    // A long spike from the far end touches a side of the ear with the shortest diagonal, or its tip; then it comes
+    // along the side.
+    for along in [false, true] {
+        for touch in [[-10, -50], [0, -100]] {
+            let back = if along { vec![[-20, 0]] } else { vec![] };
+            let mut spiked = vec![[-20, 0], [0, -100], [20, 0], [20, 300], [5, 300], touch];
+            spiked.extend(back);
+            spiked.extend([[-5, 300], [-20, 300]]);
+            check_cover(&spiked, &format!("spike to {touch:?}"));
+            let mirrored: Vec<Point> = spiked.iter().rev().map(|p| [-p[0], p[1]]).collect();
+            check_cover(&mirrored, &format!("mirrored spike to {touch:?}"));
+        }
+    }
+
+    // Corners twice, and spikes outwards, bound no area.
+    for seed in 0..400 {
+        let random = &mut Random(seed);
+        let range = [4, 1000][seed as usize % 2];
+        let mut polygon = star(random, 12, range);
+        let expected = area(&polygon);
+        for _ in 0..4 {
+            let at = random.next() as usize % polygon.len();
+            let p = polygon[at];
+            let spike = [[2 * p[0], 2 * p[1]], p];
+            polygon.splice(at..at, if random.next() % 2 == 0 { vec![p] } else { [&[p][..], &spike].concat() });
+        }
+        assert_eq!(area(&polygon), expected, "the test's own polygon, seed {seed}");
+        check_cover(&polygon, &format!("spikes, seed {seed}"));
+    }
+
     for seed in 0..400 {
         let random = &mut Random(seed);
         let side = 1 + (random.next() % 6) as i64;

@@ -9,7 +9,9 @@
 //!   to begin with changes nothing, not even the order of the triangles.
 //! - Every decision is exact: the polygon is rounded once to a lattice of its own, 2^-50 of its largest extent (about
 //!   what f64 itself keeps of it), and from there on all is integer: no tolerance, no overflow, no sign that flips.
-//! - Each blocked ear remembers one corner that blocks it, and blockers are sought in one direction only: `O(n^2)`.
+//! - A blocked ear is looked at again only when a neighbour of its tip is cut, hence O(n^2): in a simple polygon nothing
+//!   else can free it. (Its last blocker would itself be an ear. But the tip sees that corner, and the sides that meet
+//!   there come from across the diagonal, so the corner is reflex.)
 
 use alloc::vec::Vec;
 use core::cmp::Ordering;
@@ -34,16 +36,8 @@ struct Corner {
     flat: [i64; 2],
     /// Square of the distance between its two neighbours.
     diagonal: i128,
-    ear: Ear,
-}
-
-/// Whether a corner can be cut off.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Ear {
-    Valid,
-    /// Convex, but this corner lies in the triangle.
-    Blocked(u32),
-    NotConvex,
+    /// Whether it can be cut off.
+    ear: bool,
 }
 
 /// Lattice units along the polygon's largest extent, as a power of two. Products of two differences stay below 2^101,
@@ -76,7 +70,7 @@ impl Triangulator {
             let index = (start + place as usize) % polygon.len();
             let position = lattice.position(polygon[index]);
             let (prev, next) = ((place + n - 1) % n, (place + 1) % n);
-            Corner { index: index as u32, prev, next, position, flat: [0; 2], diagonal: 0, ear: Ear::NotConvex }
+            Corner { index: index as u32, prev, next, position, flat: [0; 2], diagonal: 0, ear: false }
         }));
 
         // Look along the main axis of Newell's normal, from the side where the polygon turns counter-clockwise.
@@ -100,19 +94,19 @@ impl Triangulator {
         }
 
         for place in 0..n {
-            self.measure(place, 0);
+            self.measure(place);
         }
     }
 
     /// Cuts ears until one triangle is left.
     fn cut(&mut self, polygon: &[[f64; 3]]) {
-        // The first place that is left; places rise from here to the end of the ring.
-        let mut head = 0;
+        // Some place that is left.
+        let mut start = 0;
         for _ in 3..self.corners.len() {
             // Find the best ear.
-            let mut best = head;
-            let mut place = self.at(head).next;
-            while place != head {
+            let mut best = start;
+            let mut place = self.at(start).next;
+            while place != start {
                 if self.order(place, best).is_lt() {
                     best = place;
                 }
@@ -121,32 +115,16 @@ impl Triangulator {
 
             // Cut it off.
             let tip = *self.at(best);
-            let corners = [tip.prev, best, tip.next].map(|place| self.at(place).index);
-            self.triangles.push(from_least(polygon, corners));
+            self.emit(polygon, best);
             self.corners[tip.prev as usize].next = tip.next;
             self.corners[tip.next as usize].prev = tip.prev;
-            if best == head {
-                head = tip.next;
-            }
+            start = tip.next;
 
-            // Look again at its neighbours, and at the ears that it blocked.
-            self.measure(tip.prev, head);
-            self.measure(tip.next, head);
-            let mut place = head;
-            loop {
-                if self.at(place).ear == Ear::Blocked(best) {
-                    let at_end = tip.next < best;
-                    let ear = if at_end { Ear::Valid } else { self.first_blocker(place, tip.next) };
-                    self.corners[place as usize].ear = ear;
-                }
-                place = self.at(place).next;
-                if place == head {
-                    break;
-                }
-            }
+            // Look again at its neighbours.
+            self.measure(tip.prev);
+            self.measure(tip.next);
         }
-        let last = self.at(head);
-        self.triangles.push(from_least(polygon, [last.prev, head, last.next].map(|place| self.at(place).index)));
+        self.emit(polygon, start);
     }
 
     #[inline]
@@ -154,8 +132,15 @@ impl Triangulator {
         &self.corners[place as usize]
     }
 
-    /// Finds a corner's diagonal and the state of its ear anew.
-    fn measure(&mut self, place: u32, head: u32) {
+    /// Writes the triangle of a corner and its neighbours.
+    fn emit(&mut self, polygon: &[[f64; 3]], place: u32) {
+        let tip = self.at(place);
+        let corners = [tip.prev, place, tip.next].map(|place| self.at(place).index);
+        self.triangles.push(from_least(polygon, corners));
+    }
+
+    /// Finds a corner's diagonal, and whether it is an ear, anew.
+    fn measure(&mut self, place: u32) {
         let tip = *self.at(place);
         let (a, c) = (*self.at(tip.prev), *self.at(tip.next));
         let square = |i: usize| {
@@ -165,38 +150,29 @@ impl Triangulator {
         let diagonal = square(0) + square(1) + square(2);
         // A corner in the place of a neighbour, or the tip of a spike, bounds no area: cutting it off is always right.
         let degenerate = tip.position == a.position || tip.position == c.position || a.position == c.position;
-        let ear = if degenerate {
-            Ear::Valid
-        } else if turn(a.flat, tip.flat, c.flat) <= 0 {
-            Ear::NotConvex
-        } else {
-            self.first_blocker(place, head)
-        };
+        let ear = degenerate || (turn(a.flat, tip.flat, c.flat) > 0 && !self.is_blocked(&tip));
         let corner = &mut self.corners[place as usize];
         corner.diagonal = diagonal;
         corner.ear = ear;
     }
 
-    /// The first corner in the ring, from `from` to the ring's end, that keeps the convex corner `place` from being an
-    /// ear. Its triangle only ever loses blockers while it stays the same, so the search need not begin again.
-    fn first_blocker(&self, place: u32, mut from: u32) -> Ear {
-        let tip = self.at(place);
+    /// Whether another corner lies in the triangle of a convex one.
+    fn is_blocked(&self, tip: &Corner) -> bool {
         let triangle = [self.at(tip.prev).flat, tip.flat, self.at(tip.next).flat];
         let [a, b, c] = triangle;
         let low = [a[0].min(b[0]).min(c[0]), a[1].min(b[1]).min(c[1])];
         let high = [a[0].max(b[0]).max(c[0]), a[1].max(b[1]).max(c[1])];
-        loop {
-            let corner = self.at(from);
+        let mut place = self.at(tip.next).next;
+        while place != tip.prev {
+            let corner = self.at(place);
             let p = corner.flat;
             let near = low[0] <= p[0] && p[0] <= high[0] && low[1] <= p[1] && p[1] <= high[1];
-            if near && from != tip.prev && from != place && from != tip.next && self.blocks(corner, triangle) {
-                return Ear::Blocked(from);
+            if near && self.blocks(corner, triangle) {
+                return true;
             }
-            if corner.next <= from {
-                return Ear::Valid;
-            }
-            from = corner.next;
+            place = corner.next;
         }
+        false
     }
 
     /// Whether a corner lies in the triangle `[a, b, c]` of an ear with tip `b`, so that `a c` is no diagonal.
@@ -212,14 +188,14 @@ impl Triangulator {
         // On the sides that meet at the tip, the polygon may touch itself from outside: it is in the way only if it
         // goes on inwards.
         let inwards = |q: [i64; 2]| (ab > 0 || turn(a, b, q) > 0) && (bc > 0 || turn(b, c, q) > 0);
-        ab > 0 && bc > 0 || inwards(self.at(corner.prev).flat) || inwards(self.at(corner.next).flat)
+        inwards(self.at(corner.prev).flat) || inwards(self.at(corner.next).flat)
     }
 
     /// The order in which ears are cut.
     fn order(&self, i: u32, j: u32) -> Ordering {
         let rank = |place: u32| {
             let corner = self.at(place);
-            (corner.ear != Ear::Valid, corner.diagonal)
+            (!corner.ear, corner.diagonal)
         };
         let tie = |place: u32| {
             let corner = self.at(place);
