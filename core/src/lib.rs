@@ -23,12 +23,15 @@ pub mod grid;
 pub mod material;
 pub mod mesh;
 
+#[cfg(feature = "alloc")]
+pub mod triangulate;
+
 #[cfg(feature = "obj")]
 pub mod mtl;
 #[cfg(feature = "obj")]
 pub mod obj;
-#[cfg(feature = "alloc")]
-pub mod triangulate;
+#[cfg(feature = "obj")]
+mod text;
 
 #[cfg(feature = "alloc")]
 pub mod voxelize;
