@@ -33,6 +33,10 @@ pub mod obj;
 #[cfg(feature = "alloc")]
 pub mod triangulate;
 
+#[cfg(feature = "alloc")]
+pub mod voxelize;
+
+pub mod build;
 pub mod dag;
 pub mod trace;
 

@@ -1,0 +1,111 @@
+//! One subtree: its triangles descend together, level by level, and leave their marks in bricks in Morton order.
+
+use alloc::vec::Vec;
+
+use super::prism::{Crosshair, Prism, Verdict};
+use super::{Cover, VoxelizeError, Voxelizer, reserve};
+use crate::dag::BRICK_LEVEL;
+use crate::morton::Morton;
+
+/// A brick that holds marked voxels.
+#[derive(Clone, Copy, Debug)]
+pub struct Marked<'a> {
+    /// Code of its first voxel within the subtree.
+    pub code: Morton,
+    /// Its marked voxels in Morton order.
+    pub mask: u64,
+    /// The triangles that marked them (indices into the mesh's, in mesh order), each with its voxels; never empty.
+    pub triangles: &'a [(u32, u64)],
+}
+
+/// A cube on the way down: its first cell, the triangles that reach it, and the octant to visit next.
+#[derive(Clone, Copy, Default)]
+struct Frame {
+    cell: [i32; 3],
+    start: usize,
+    end: usize,
+    octant: u8,
+}
+
+impl Voxelizer<'_> {
+    /// Voxelises one subtree: calls `sink` with each brick that holds a marked voxel, in Morton order.
+    ///
+    /// # Panics
+    /// If `subtree` is not below [`Voxelizer::subtrees`].
+    pub fn voxelize<E: From<VoxelizeError>>(
+        &self,
+        subtree: usize,
+        mut sink: impl FnMut(&Marked<'_>) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let base = self.subtree_code(subtree).decode().map(i64::from);
+        let list = self.list(subtree);
+        let mut prisms = Vec::new();
+        let mut crosshairs = Vec::new();
+        // The triangles of the cubes on the way down: place in `prisms`, and inequalities that are still open.
+        let mut reached: Vec<(u32, u32)> = Vec::new();
+        let mut marks: Vec<(u32, u64)> = Vec::new();
+        reserve(&mut prisms, list.len())?;
+        reserve(&mut reached, list.len())?;
+        for (at, &triangle) in list.iter().enumerate() {
+            let v = self.vertices(triangle as usize);
+            let prism = Prism::new(&v, self.cover, base, self.level, self.grid.resolution);
+            reached.push((at as u32, prism.active));
+            prisms.push(prism);
+            if self.cover == Cover::Thin {
+                reserve(&mut crosshairs, 1)?;
+                crosshairs.push(Crosshair::new(&v, base));
+            }
+        }
+
+        let mut frames = [Frame::default(); 22];
+        let top = self.level as usize;
+        frames[top] = Frame { cell: [0; 3], start: 0, end: reached.len(), octant: 0 };
+        let mut level = top;
+        loop {
+            let Frame { cell, start, end, octant } = frames[level];
+            if level == BRICK_LEVEL as usize {
+                // Mark the brick's voxels, triangle by triangle.
+                marks.clear();
+                reserve(&mut marks, end - start)?;
+                let mut mask = 0;
+                for &(at, open) in &reached[start..end] {
+                    let marked = match self.cover {
+                        Cover::Thin => crosshairs[at as usize].brick(cell),
+                        Cover::Exact | Cover::Inflated => prisms[at as usize].brick(cell, open),
+                    };
+                    if marked != 0 {
+                        mask |= marked;
+                        marks.push((list[at as usize], marked));
+                    }
+                }
+                if mask != 0 {
+                    let code = Morton::encode_masked(cell.map(|c| c as u32));
+                    sink(&Marked { code, mask, triangles: &marks })?;
+                }
+            } else if octant < 8 {
+                // Go down into the next octant with the triangles that reach it.
+                frames[level].octant += 1;
+                reached.truncate(end);
+                reserve(&mut reached, end - start)?;
+                let size = 1 << (level - 1);
+                let below = core::array::from_fn(|i| cell[i] + (i32::from(octant) >> i & 1) * size);
+                for i in start..end {
+                    let (at, open) = reached[i];
+                    if let Verdict::Open(open) = prisms[at as usize].cube(below, size, open) {
+                        reached.push((at, open));
+                    }
+                }
+                if reached.len() > end {
+                    level -= 1;
+                    frames[level] = Frame { cell: below, start: end, end: reached.len(), octant: 0 };
+                }
+                continue;
+            }
+            // Go up from a brick, or from a cube whose octants are done.
+            level += 1;
+            if level > top {
+                return Ok(());
+            }
+        }
+    }
+}
