@@ -46,7 +46,7 @@ fn floor(w: &mut Writer) {
     let [x, z] = HALF;
     let paint = |j: usize, i: usize| match (i % 10, (j + 5) % 10) {
         (0 | 9, _) | (_, 0 | 9) if (1..29).contains(&i) => "tile-border",
-        _ if (i + j) % 2 == 0 => "tile-dark",
+        _ if (i + j).is_multiple_of(2) => "tile-dark",
         _ => "tile-light",
     };
     w.sheet([40, 30], paint, |s, t| [x * (2.0 * t - 1.0), 0.0, z * (2.0 * s - 1.0)]);
@@ -90,7 +90,7 @@ fn arches(w: &mut Writer) {
         [wide, inner + bevel],
         [wide, outer],
     ];
-    let wedge = |i: usize, _| if i / 2 % 2 == 0 { "brick" } else { "limestone" };
+    let wedge = |i: usize, _| if (i / 2).is_multiple_of(2) { "brick" } else { "limestone" };
     let mut arch = |place: &dyn Fn(f64, f64, f64) -> Point| {
         w.sheet([26, 5], wedge, |s, t| {
             let [across, r] = section[libm::rint(t * 5.0) as usize];
@@ -215,7 +215,7 @@ impl Opening {
             ((k / 2) as f64 / panes) * (1.0 - lead) + if k % 2 == 1 { lead } else { 0.0 }
         };
         let pane = |i: usize, j: usize| match (i / 2, j / 2) {
-            _ if i % 2 == 0 || j % 2 == 0 => "lead",
+            _ if i.is_multiple_of(2) || j.is_multiple_of(2) => "lead",
             (2 | 3, 3 | 4) => "glass-red",
             (a, b) if (a + b) % 3 == 0 => "glass-amber",
             _ => "glass-blue",
