@@ -17,3 +17,5 @@ pub mod octree;
 pub mod scenes;
 pub mod table;
 pub mod textbook;
+
+pub mod laws;
