@@ -364,17 +364,15 @@ fn banners(w: &mut Writer) {
                 let wave = 0.06 * (0.25 + 0.75 * t) * libm::sin(4.5 * a + 1.5 * t + x);
                 [x + half * a, top - t * (1.75 - tail), z + wave]
             };
-            let hem = |i: usize, j: usize| if i == 1 || i == 14 || j == 14 { "gold" } else { colour };
-            w.sheet([16, 16], hem, |s, t| cloth(1.0 - 2.0 * s, t));
-            w.sheet(
-                [28, 3],
-                |_, j| if j == 1 { colour } else { "gold" },
-                |s, t| {
-                    let (sin, cos) = sin_cos(s * TAU);
-                    let [x, y, z] = cloth(0.55 * t * cos, 0.43 + 0.22 * t * sin);
-                    [x, y, z + 0.01]
-                },
-            );
+            // Rings around the middle: a disc, a gap, a ring, and squares out to the hem and the edge.
+            let rings = [0.0, 0.13, 0.27, 0.41, 0.76, 0.86, 1.0];
+            let paint = |_, j: usize| if [0, 2, 4].contains(&j) { "gold" } else { colour };
+            w.sheet([32, 6], paint, |s, t| {
+                let (sin, cos) = sin_cos(s * TAU);
+                let j = libm::rint(t * 6.0) as usize;
+                let r = if j < 4 { rings[j] } else { rings[j] / sin.abs().max(cos.abs()) };
+                cloth(r * cos, 0.5 - 0.5 * r * sin)
+            });
             w.tube("bronze", [1, 10], [x, top + 9.0, z], 0.05, |s| [x + 1.5 * s - 0.75, top + 0.03, z]);
             w.ball("gold", [x - 0.75, top + 0.03, z], 0.09, 12);
             w.ball("gold", [x + 0.75, top + 0.03, z], 0.09, 12);
