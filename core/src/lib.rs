@@ -19,6 +19,9 @@ extern crate std;
 pub mod math;
 pub mod morton;
 
+#[cfg(feature = "alloc")]
+pub mod demo;
+
 pub mod grid;
 pub mod material;
 pub mod mesh;
