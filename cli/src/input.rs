@@ -5,7 +5,9 @@ use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
+use crate::options::MachineArgs;
+use crate::report::shell_word;
 
 /// A file's content.
 pub enum Content {
@@ -16,8 +18,9 @@ pub enum Content {
 }
 
 /// Reads a file that may be a mesh or a scene.
-pub fn read(path: &Path) -> Result<Content> {
+pub fn read(path: &Path, machine: &MachineArgs) -> Result<Content> {
     let (mut file, length) = open(path)?;
+    machine.afford(length, &path.display().to_string(), "raise --memory-limit")?;
     let mut head = [0; 4];
     let read = read_up_to(&mut file, &mut head).map_err(|e| unreadable(path, &e))?;
     let magic = u32::from_le_bytes(head);
@@ -28,7 +31,9 @@ pub fn read(path: &Path) -> Result<Content> {
         return Err(Error::input(path, "is not a voxdag scene: it does not start with the mark of one")
             .hint("build it from its mesh with `voxdag build`"));
     }
-    if let Some(known) = ["ply", "stl", "gltf", "glb", "fbx", "dae", "vox", "png"].iter().find(|e| has_extension(path, e)) {
+    if let Some(known) =
+        ["ply", "stl", "gltf", "glb", "fbx", "dae", "vox", "png"].iter().find(|e| has_extension(path, e))
+    {
         return Err(Error::input(path, format_args!(".{known} files cannot be read"))
             .hint("expected a Wavefront OBJ (.obj) or a voxdag scene (.vxd)"));
     }
@@ -41,22 +46,22 @@ pub fn read(path: &Path) -> Result<Content> {
 
 /// Reads a file that must be a scene.
 pub fn read_scene(path: &Path) -> Result<Vec<u32>> {
-    match read(path)? {
+    match read(path, &MachineArgs::default())? {
         Content::Scene(words) => Ok(words),
         Content::Mesh(_) => Err(Error::input(path, "is not a voxdag scene").hint(format_args!(
             "make one of a mesh with `voxdag build {} -o {}`",
-            crate::report::shell_word(path),
-            crate::report::shell_word(&path.with_extension("vxd"))
+            shell_word(path),
+            shell_word(&path.with_extension("vxd"))
         ))),
     }
 }
 
 /// Reads a file that must be a mesh.
-pub fn read_mesh(path: &Path) -> Result<Vec<u8>> {
-    match read(path)? {
+pub fn read_mesh(path: &Path, machine: &MachineArgs) -> Result<Vec<u8>> {
+    match read(path, machine)? {
         Content::Mesh(bytes) => Ok(bytes),
         Content::Scene(_) => Err(Error::input(path, "is built already")
-            .hint(format_args!("look at it with `voxdag info {}`", crate::report::shell_word(path)))),
+            .hint(format_args!("look at it with `voxdag info {}`", shell_word(path)))),
     }
 }
 
@@ -103,7 +108,7 @@ fn unreadable(path: &Path, cause: &std::io::Error) -> Error {
 }
 
 fn too_large(path: &Path, length: u64) -> Error {
-    Error::new(crate::error::Kind::Limit, format_args!("{}: no memory for its {length} bytes", path.display()))
+    Error::new(Kind::Failure, format_args!("{}: no memory for its {length} bytes", path.display()))
 }
 
 fn has_extension(path: &Path, extension: &str) -> bool {
@@ -134,8 +139,11 @@ fn words(path: &Path, mut file: File, length: u64, first: u32) -> Result<Vec<u32
         let read = read_up_to(&mut file, &mut piece).map_err(|e| unreadable(path, &e))?;
         words.extend(piece[..read].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
         if read % 4 != 0 {
-            return Err(Error::input(path, format_args!("is cut short: its length of {length} bytes is no multiple of 4"))
-                .hint("copy or build it again"));
+            return Err(Error::input(
+                path,
+                format_args!("is cut short: its length of {length} bytes is no multiple of 4"),
+            )
+            .hint("copy or build it again"));
         }
         if read < piece.len() {
             return Ok(words);

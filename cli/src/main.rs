@@ -20,12 +20,17 @@ use clap::{Parser, Subcommand};
 
 /// Turn triangle meshes into compressed voxel scenes and ray trace them
 #[derive(Parser)]
-#[command(name = "voxdag", version, arg_required_else_help = true, after_help = "\
+#[command(
+    name = "voxdag",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
 Start here:
   voxdag demo                              a picture of the scene that comes along
   voxdag render bunny.obj -o bunny.png     a mesh to a picture in one step
 
-Exit codes: 0 done, 1 failure, 2 wrong usage, 3 bad input, 4 limit exceeded, 130 interrupted")]
+Exit codes: 0 done, 1 failure, 2 wrong usage, 3 bad input, 4 limit exceeded, 130 interrupted"
+)]
 struct Cli {
     #[command(subcommand)]
     command: Command,

@@ -2,6 +2,7 @@
 //! was not given stays `None` where its absence matters.
 
 use clap::{Args, ValueEnum};
+use voxdag::render::Samples;
 
 use crate::error::{Error, Kind};
 use crate::report::size;
@@ -15,7 +16,7 @@ pub struct BuildArgs {
     pub resolution: Option<u32>,
 
     /// Side of a voxel in the mesh's units, instead of a resolution
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub voxel_size: Option<f64>,
 
     /// World position of the corner of voxel (0, 0, 0) [default: the minimum of the mesh's box]
@@ -36,6 +37,15 @@ pub struct BuildArgs {
 }
 
 impl BuildArgs {
+    /// Refuses flags that contradict each other.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.resolution.is_some() && self.voxel_size.is_some() && self.origin.is_none() {
+            return Err(Error::usage("--resolution and --voxel-size together leave open where the grid lies")
+                .hint("give one of the two, or add --origin X,Y,Z"));
+        }
+        Ok(())
+    }
+
     /// The first of these flags that was given, as it is typed.
     pub fn given(&self) -> Option<&'static str> {
         let flags = [
@@ -105,7 +115,7 @@ pub struct PictureArgs {
     pub view_up: Option<[f64; 3]>,
 
     /// Vertical field of view in degrees, above 0 and below 180
-    #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view)]
+    #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view, allow_hyphen_values = true)]
     pub fov: f64,
 
     /// A point light and its colour; may be repeated [default: one white light above the eye]
@@ -113,7 +123,7 @@ pub struct PictureArgs {
     pub lights: Vec<LightArg>,
 
     /// Light from everywhere: one number or three
-    #[arg(long, value_name = "R,G,B", default_value = "0.2", value_parser = colour)]
+    #[arg(long, value_name = "R,G,B", default_value = "0.2", value_parser = colour, allow_hyphen_values = true)]
     pub ambient: [f32; 3],
 
     /// Where the surface's direction is taken from
@@ -122,7 +132,7 @@ pub struct PictureArgs {
 
     /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64
     #[arg(long, value_name = "N", default_value = "4", value_parser = samples)]
-    pub samples: u8,
+    pub samples: Samples,
 
     /// How rays are followed
     #[arg(long, value_enum, default_value_t)]
@@ -263,11 +273,8 @@ fn field_of_view(text: &str) -> Result<f64, String> {
     if x > 0.0 && x < 180.0 { Ok(x) } else { Err("expected degrees above 0 and below 180".to_owned()) }
 }
 
-fn samples(text: &str) -> Result<u8, String> {
-    match text {
-        "1" | "4" | "5" | "16" | "64" => text.parse().map_err(|_| String::new()),
-        _ => Err("expected 1, 4, 5, 16 or 64".to_owned()),
-    }
+fn samples(text: &str) -> Result<Samples, String> {
+    text.parse().ok().and_then(Samples::new).ok_or_else(|| "expected 1, 4, 5, 16 or 64".to_owned())
 }
 
 /// Largest side of a picture: PNG readers and graphics cards stop there.

@@ -94,17 +94,16 @@ impl Output {
         }
     }
 
-    /// Writes the content, puts the file into its place and gives its length in bytes.
-    pub fn finish(self, write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>) -> Result<u64> {
+    /// Writes the content, and puts the file into its place.
+    pub fn finish(self, write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>) -> Result<()> {
         let failed = |cause: std::io::Error| Error::write(&self.path, cause);
         let mut writer = BufWriter::new(self.file.as_file());
         write(&mut writer).map_err(failed)?;
         writer.into_inner().map_err(|e| failed(e.into_error()))?;
-        let bytes = self.file.as_file().metadata().map_err(failed)?.len();
         let temporary = self.file.path().to_path_buf();
         let mut files = half_written();
         self.file.persist(&self.place).map_err(|e| Error::write(&self.path, e.error))?;
         files.retain(|f| *f != temporary);
-        Ok(bytes)
+        Ok(())
     }
 }

@@ -137,9 +137,10 @@ mod tests {
     #[test]
     fn numbers_are_grouped_and_sized() {
         assert_eq!([0, 999, 1000, 8_213_456].map(grouped), ["0", "999", "1,000", "8,213,456"]);
-        assert_eq!([0, 1023, 1024, 999_376, 1 << 30].map(size), [
-            "0 bytes", "1023 bytes", "1.00 KiB", "976.0 KiB", "1.00 GiB"
-        ]);
+        assert_eq!(
+            [0, 1023, 1024, 999_376, 1 << 30].map(size),
+            ["0 bytes", "1023 bytes", "1.00 KiB", "976.0 KiB", "1.00 GiB"]
+        );
     }
 
     #[test]

@@ -1,17 +1,17 @@
 //! What a run cost: time per stage and the peak of memory.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
-/// Milliseconds since `start`, to the microsecond.
-pub fn ms_since(start: Instant) -> f64 {
-    start.elapsed().as_micros() as f64 / 1000.0
-}
-
-/// Runs `work` and gives its result and its milliseconds.
-pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+/// Runs `work` and gives its result and how long it took.
+pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = work();
-    (result, ms_since(start))
+    (result, start.elapsed())
+}
+
+/// Milliseconds to the microsecond, as reports have them.
+pub fn ms(time: Duration) -> f64 {
+    time.as_micros() as f64 / 1000.0
 }
 
 /// The most memory this process ever held, in bytes; `None` where the system has no `/proc/self/status`.

@@ -56,7 +56,8 @@ fn every_shell_is_completed() {
 #[test]
 fn no_escape_codes_outside_a_terminal() {
     let s = Sandbox::new();
-    for line in ["build box.obj -o box.vxd -r 20", "info box.vxd", "verify box.vxd", "info no-such", "build", "--help"] {
+    for line in ["build box.obj -o box.vxd -r 20", "info box.vxd", "verify box.vxd", "info no-such", "build", "--help"]
+    {
         let run = s.run(line);
         assert!(!run.stdout.contains('\x1b') && !run.stderr.contains('\x1b'), "{line}");
     }
@@ -65,7 +66,8 @@ fn no_escape_codes_outside_a_terminal() {
 #[test]
 fn every_run_ends_with_the_next_command() {
     let s = Sandbox::new();
-    for line in ["build box.obj -o box.vxd -r 20", "render box.vxd -o box.png --size 16x9", "info box.vxd", "verify box.vxd"]
+    for line in
+        ["build box.obj -o box.vxd -r 20", "render box.vxd -o box.png --size 16x9", "info box.vxd", "verify box.vxd"]
     {
         let run = s.ok(line);
         let last = run.stderr.lines().last().unwrap_or_default();

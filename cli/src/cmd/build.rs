@@ -6,11 +6,12 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::error::Result;
+use crate::input;
 use crate::options::{BuildArgs, MachineArgs, ReportArgs};
 use crate::output::Output;
-use crate::report::{self, Lines, grouped, seconds, shell_word, size};
-use crate::scene::{self, Cost};
-use crate::stats;
+use crate::report::{self, Lines, grouped, seconds, shell_word};
+use crate::scene::{self, Bytes, Cost};
+use crate::stats::{self, ms};
 
 /// Turn a mesh into a voxel scene
 #[derive(clap::Args)]
@@ -56,14 +57,6 @@ struct Report {
 }
 
 #[derive(Serialize)]
-struct Bytes {
-    nodes: u64,
-    bricks: u64,
-    materials: u64,
-    file: u64,
-}
-
-#[derive(Serialize)]
 struct Ms {
     parse: f64,
     voxelize: f64,
@@ -76,14 +69,16 @@ struct Ms {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
+    args.build.check()?;
     let output = Output::create(&args.output, "vxd")?;
     output.must_not_replace(std::slice::from_ref(&args.mesh))?;
     let pool = args.machine.pool()?;
 
-    let source = scene::read_mesh(&args.mesh)?;
+    let source = scene::import_file(&args.mesh, input::read_mesh(&args.mesh, &args.machine)?)?;
     output.must_not_replace(&source.files)?;
     let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
-    let (file, write) = stats::timed(|| output.finish(|file| scene::write(&built.words, file)));
+    let (written, write) = stats::timed(|| output.finish(|file| built.write(file)));
+    written?;
 
     let Cost { parse, voxelize, reduce, materials } = built.cost;
     let grid = built.grid;
@@ -92,16 +87,23 @@ pub fn run(args: &Args) -> Result<()> {
         depth: grid.depth(),
         origin: grid.origin,
         voxel_size: grid.voxel_size,
-        triangles: source.model.triangles.len(),
+        triangles: built.triangles,
         voxels: built.stats.voxels,
         nodes: built.stats.nodes(),
-        bricks: built.stats.bricks(),
-        bytes: Bytes { nodes: built.bytes.nodes, bricks: built.bytes.bricks, materials: built.bytes.materials, file: file? },
-        ms: Ms { parse, voxelize, reduce, materials, write, total: stats::ms_since(start) },
+        bricks: built.stats.levels[2].unique,
+        bytes: built.bytes(),
+        ms: Ms {
+            parse: ms(parse),
+            voxelize: ms(voxelize),
+            reduce: ms(reduce),
+            materials: ms(materials),
+            write: ms(write),
+            total: ms(start.elapsed()),
+        },
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
     };
-    report::result(args.report.json, &report, &lines(&report, &built.stats))?;
+    report::result(args.report.json, &report, &lines(&report, built.stats.octree_nodes()))?;
     let picture = args.output.with_extension("png");
     report::next(format_args!("render {} -o {}", shell_word(&args.output), shell_word(&picture)));
     Ok(())
@@ -111,13 +113,12 @@ pub fn run(args: &Args) -> Result<()> {
 fn lines(report: &Report, octree_nodes: u64) -> Lines {
     let mut lines = Lines::default();
     let Ms { parse, voxelize, reduce, materials, write, total } = report.ms;
-    let Bytes { nodes, bricks, materials: table, file } = report.bytes;
     lines
         .row("triangles", grouped(report.triangles as u64))
         .row("resolution", format!("{} (depth {}), voxel size {}", report.resolution, report.depth, report.voxel_size))
         .row("voxels", grouped(report.voxels))
         .row("nodes", report::sharing(octree_nodes, report.nodes + report.bricks))
-        .row("file", format!("{}: nodes {}, bricks {}, materials {}", size(file), size(nodes), size(bricks), size(table)))
+        .row("bytes", report.bytes.text())
         .row(
             "time",
             format!(

@@ -9,10 +9,10 @@ use crate::error::{Error, Result};
 use crate::input::{self, Content};
 use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
 use crate::output::Output;
-use crate::picture::{self, Picture, Rays};
+use crate::picture::{self, Picture, Rays, Shown};
 use crate::report::{self, Lines, grouped, seconds, shell_word};
 use crate::scene;
-use crate::stats;
+use crate::stats::{self, ms};
 
 /// Draw a mesh or a voxel scene
 #[derive(clap::Args)]
@@ -46,7 +46,7 @@ struct Report<'a> {
     width: u32,
     height: u32,
     /// Per pixel.
-    samples: u8,
+    samples: u32,
     rays: Rays,
     /// Primary rays that hit a voxel.
     hits: u64,
@@ -68,36 +68,38 @@ struct Ms {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
+    args.build.check()?;
     let output = Output::create(&args.output, "png")?;
     output.must_not_replace(std::slice::from_ref(&args.input))?;
     let pool = args.machine.pool()?;
 
-    let words = match input::read(&args.input)? {
+    let picture = match input::read(&args.input, &args.machine)? {
         Content::Scene(words) => {
             if let Some(flag) = args.build.given() {
                 return Err(Error::usage(format_args!("{flag}: {} is built already", args.input.display()))
                     .hint("leave the flag away, or name the mesh instead of the scene"));
             }
-            words
+            let scene = scene::open(&args.input, &words)?;
+            pool.install(|| picture::draw(&Shown::of(&scene), &args.picture, &args.machine))?
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text)?;
             output.must_not_replace(&source.files)?;
-            pool.install(|| scene::build(&source, &args.build, &args.machine))?.words
+            let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
+            drop(source);
+            pool.install(|| picture::draw(&built.shown(), &args.picture, &args.machine))?
         }
     };
-    let scene = scene::open(&args.input, &words)?;
-    let picture = pool.install(|| picture::draw(&scene, &args.picture, &args.machine))?;
     output.finish(|file| picture.write_png(file))?;
 
-    let Picture { width, height, rays, hits, ref effects, trace_ms, .. } = picture;
+    let Picture { width, height, rays, hits, ref effects, trace, .. } = picture;
     let report = Report {
         width,
         height,
-        samples: args.picture.samples,
+        samples: args.picture.samples.count(),
         rays,
         hits,
-        ms: Ms { trace: trace_ms, total: stats::ms_since(start) },
+        ms: Ms { trace: ms(trace), total: ms(start.elapsed()) },
         effects,
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
@@ -111,4 +113,19 @@ pub fn run(args: &Args) -> Result<()> {
         report::next(format_args!("build {input} -o {scene}"));
     }
     Ok(())
+}
+
+/// The report for people.
+fn lines(report: &Report<'_>) -> Lines {
+    let mut lines = Lines::default();
+    let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
+    lines
+        .row("picture", format!("{}x{}, {} samples per pixel", report.width, report.height, report.samples))
+        .row("rays", report.rays.text())
+        .row("hits", format!("{} ({share:.1} %)", grouped(report.hits)))
+        .row("effects", if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") })
+        .row("time", format!("{}: trace {}", seconds(report.ms.total), seconds(report.ms.trace)))
+        .row("memory", report::peak(report.peak_rss_bytes))
+        .row("threads", report.threads.to_string());
+    lines
 }

@@ -113,7 +113,7 @@ impl Run {
     /// It failed with `code` and said each of `words`.
     pub fn fails(&self, code: i32, words: &[&str]) {
         assert_eq!(self.code, code, "voxdag {}\n{}", self.line, self.stderr);
-        assert!(self.stderr.starts_with("error: "), "voxdag {}\n{}", self.line, self.stderr);
+        assert!(self.stderr.lines().any(|line| line.starts_with("error: ")), "voxdag {}\n{}", self.line, self.stderr);
         assert!(self.stdout.is_empty(), "voxdag {}\n{}", self.line, self.stdout);
         for word in words {
             assert!(self.stderr.contains(word), "voxdag {}: no `{word}` in\n{}", self.line, self.stderr);
