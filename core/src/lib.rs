@@ -35,10 +35,19 @@ pub mod voxelize;
 
 pub mod build;
 pub mod dag;
+pub mod materials;
+pub mod octahedral;
+#[cfg(feature = "alloc")]
+pub mod scene;
+pub mod table;
 pub mod trace;
+
+pub mod file;
 
 pub use dag::Dag;
 pub use grid::Grid;
 pub use material::Material;
+pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use table::{Table, TableMut};

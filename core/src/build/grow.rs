@@ -209,7 +209,7 @@ impl Hasher for Mix {
     }
     #[inline]
     fn write_u64(&mut self, x: u64) {
-        let wide = u128::from(self.0 ^ x ^ 0x9e37_79b9_7f4a_7c15) * 0xa076_1d64_78bd_642f_e703_7ed1_a0b4_28db;
+        let wide = u128::from(self.0 ^ x ^ 0x9e37_79b9_7f4a_7c15) * 0xa076_1d64_78bd_642f;
         self.0 = (wide as u64 ^ (wide >> 64) as u64).wrapping_mul(0xd6e8_feb8_6659_fd93);
         self.0 ^= self.0 >> 32;
     }

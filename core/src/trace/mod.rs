@@ -1,5 +1,9 @@
 //! Rays through a DAG: the first filled voxel along the real line that six f64 describe.
 
+mod exact;
+mod ray;
+mod walk;
+
 use crate::dag::Dag;
 use crate::morton::Morton;
 
@@ -95,12 +99,22 @@ impl Dag<'_> {
 
     /// [`Dag::trace`] with the arithmetic named.
     pub fn trace_with(&self, arithmetic: Arithmetic, query: &Query) -> Option<Hit> {
-        let _ = (arithmetic, query);
-        None
+        match arithmetic {
+            Arithmetic::Exact => walk::trace::<true>(self, query),
+            Arithmetic::F64 => walk::trace::<false>(self, query),
+        }
     }
 
-    /// Whether the ray meets any filled voxel: `trace(query).is_some()`.
+    /// Whether the ray meets any filled voxel: `trace(query).is_some()`, without working out where.
     pub fn occluded(&self, query: &Query) -> bool {
-        self.trace(query).is_some()
+        self.occluded_with(Arithmetic::Exact, query)
+    }
+
+    /// [`Dag::occluded`] with the arithmetic named.
+    pub fn occluded_with(&self, arithmetic: Arithmetic, query: &Query) -> bool {
+        match arithmetic {
+            Arithmetic::Exact => walk::occluded::<true>(self, query),
+            Arithmetic::F64 => walk::occluded::<false>(self, query),
+        }
     }
 }
