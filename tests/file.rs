@@ -2,7 +2,8 @@
 //! and whatever words are read either are refused or make a scene that is safe to use.
 
 use voxdag::dag::{Dag, DagError};
-use voxdag::file::{self, LoadError, Parts, Scene, Section, UpAxis, WriteError};
+use voxdag::file::{self, LoadError, Parts, Scene, Section, WriteError};
+use voxdag::grid::UpAxis;
 use voxdag::grid::{Bounds, Grid};
 use voxdag::materials::{AnyMaterials, Materials, Single};
 use voxdag::table::{Entry, Table, TableBuf};
