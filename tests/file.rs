@@ -348,6 +348,7 @@ fn d4_errors_say_where() {
     assert_eq!(read(section(3) + 19, 1), LoadError::Material { index: 0, field: "illum" });
     assert_eq!(read(section(4) + 1, 10), LoadError::Name { index: 0 });
     assert_eq!(read(section(4) + 3, u32::from_le_bytes(*b"r\xffdw")), LoadError::Name { index: 0 });
+    assert_eq!(read(section(4) + 5, u32::from_le_bytes(*b"e\0\0x")), LoadError::Name { index: 2 });
     let crc_word = good[33];
     let mut words = good.clone();
     words[section(3)] ^= 1;
