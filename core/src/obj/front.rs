@@ -3,7 +3,7 @@
 //! In: the text of a file. Out: the same polygons in the plainest dialect, with every index, number and arity checked,
 //! or an error that names the line of the file as it is. The invariant: nothing that comes out makes tobj 4.0.5 panic,
 //! refuse, or guess. So vertices come before faces (a file may name a vertex before it defines it); indices count from
-//! the start; a corner without texture coordinates or normal names entry 1, which is NaN; materials are numbers; and
+//! the start; where others have texture coordinates or normals, a corner without names entry 1, which is NaN; materials are numbers; and
 //! what has no area or no meaning here (points, lines, weights, colours, groups, names) is gone.
 
 use alloc::collections::BTreeSet;
@@ -61,8 +61,12 @@ pub(super) fn check(text: &str, notes: &mut Notes) -> Result<Checked, ImportErro
         bare: None,
         polygons: 0,
     };
-    // Entry 1 of both: what corners without them name.
-    out.vertices.push_str("vt nan nan\nvn nan nan nan\n");
+    // Entry 1: what corners without one name.
+    for (kind, entry) in [(1, "vt nan nan\n"), (2, "vn nan nan nan\n")] {
+        if totals[kind] > 0 {
+            out.vertices.push_str(entry);
+        }
+    }
     let mut seen: Counts = [0; 3];
     let mut places = HashMap::new();
     let mut current = Current::Bare;
@@ -257,9 +261,16 @@ fn corner(word: &str, seen: &Counts, totals: &Counts, absent: &mut [bool; 3], ou
         } else {
             index(field, kind, seen, totals).ok_or_else(|| explain(field, word, kind, seen, totals))?
         };
-        // The entries of `vt` and `vn` begin behind that for none.
-        out.push(if kind == 0 { ' ' } else { '/' });
-        push_number(out, number + usize::from(kind > 0));
+        if kind == 0 {
+            out.push(' ');
+            push_number(out, number);
+        } else if totals[kind] > 0 {
+            // The entries begin behind that for none.
+            out.push('/');
+            push_number(out, number + 1);
+        } else if totals[2] > 0 {
+            out.push('/');
+        }
     }
     if fields.next().is_some() { Err(form(word)) } else { Ok(()) }
 }
