@@ -18,3 +18,5 @@ pub mod scenes;
 pub mod subject;
 pub mod table;
 pub mod textbook;
+
+pub mod laws;
