@@ -49,10 +49,8 @@ impl Shape {
             core::array::from_fn(|i| {
                 let x = (p[i] - origin[i]) * (SUB as f64 / voxel_size);
                 let floor = x.floor();
-                let up = match x - floor {
-                    r if r == 0.5 => floor % 2.0 != 0.0,
-                    r => r > 0.5,
-                };
+                let rest = x - floor;
+                let up = rest > 0.5 || rest == 0.5 && floor % 2.0 != 0.0;
                 floor as i64 + i64::from(up)
             })
         };

@@ -143,9 +143,9 @@ impl Reducer {
         if dag.is_empty() {
             return Ok(());
         }
-        let level = dag.depth().max(BRICK_LEVEL);
-        if dag.depth() < BRICK_LEVEL && dag.depth() != self.depth {
-            return Err(BuildError::Outside { code: code.0 });
+        let level = dag.depth();
+        if level <= BRICK_LEVEL {
+            return self.push(store, code, dag.brick_at(dag.root()));
         }
         self.check(code, level)?;
         // The nodes that the curve has left were visited before those of the subtree.
