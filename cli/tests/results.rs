@@ -167,7 +167,7 @@ fn files_are_found_beside_the_mesh_and_names_may_hold_spaces() {
 #[test]
 fn the_demo_draws_its_picture() {
     let s = Sandbox::new();
-    let run = s.ok("demo -r 64 --size 64x36 --json");
+    let run = s.ok("demo --json");
     let json = run.json();
     has_keys(&json, "triangles voxels octree_nodes nodes bricks bytes.file ms.total peak_rss_bytes picture");
     assert!(s.read("voxdag-demo.png").starts_with(b"\x89PNG"));
