@@ -19,16 +19,22 @@ extern crate std;
 pub mod math;
 pub mod morton;
 
+#[cfg(feature = "alloc")]
+pub mod demo;
+
 pub mod grid;
 pub mod material;
 pub mod mesh;
+
+#[cfg(feature = "alloc")]
+pub mod triangulate;
 
 #[cfg(feature = "obj")]
 pub mod mtl;
 #[cfg(feature = "obj")]
 pub mod obj;
-#[cfg(feature = "alloc")]
-pub mod triangulate;
+#[cfg(feature = "obj")]
+mod text;
 
 #[cfg(feature = "alloc")]
 pub mod voxelize;
@@ -43,6 +49,13 @@ pub mod table;
 pub mod trace;
 
 pub mod file;
+pub mod normal;
+
+pub mod color;
+pub mod shade;
+
+pub mod camera;
+pub mod render;
 
 pub use dag::Dag;
 pub use grid::Grid;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 use voxdag::dag::{BRICK_LEVEL, LevelStats};
-use voxdag::file::UpAxis;
+use voxdag::grid::UpAxis;
 use voxdag::material::MaterialId;
 
 use crate::error::Result;
