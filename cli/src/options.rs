@@ -24,15 +24,15 @@ pub struct BuildArgs {
     pub origin: Option<[f64; 3]>,
 
     /// Which voxels a triangle fills [default: exact]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "COVER", value_enum)]
     pub cover: Option<CoverArg>,
 
     /// What is kept of the surfaces [default: table]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "KIND", value_enum)]
     pub materials: Option<MaterialsArg>,
 
     /// The axis that points up; kept in the file for `render` [default: y]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "AXIS", value_enum)]
     pub up_axis: Option<UpAxisArg>,
 }
 
@@ -66,7 +66,7 @@ pub enum CoverArg {
     /// Every voxel that the triangle meets: no gap
     #[default]
     Exact,
-    /// The fewest that no ray slips through along an axis (6-separating)
+    /// Fewer: a thin sheet (6-separating) whose edges let some rays through
     Thin,
     /// A little more, so that it also covers the vertices before they are snapped to the grid
     Inflated,
@@ -127,7 +127,7 @@ pub struct PictureArgs {
     pub ambient: [f32; 3],
 
     /// Where the surface's direction is taken from
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub normals: NormalsArg,
 
     /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64
@@ -135,7 +135,7 @@ pub struct PictureArgs {
     pub samples: Samples,
 
     /// How rays are followed
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
 }
 
