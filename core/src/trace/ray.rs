@@ -49,19 +49,21 @@ impl Crossing {
 }
 
 impl Ray {
-    /// `None` for what is no ray: NaN or infinite numbers, no direction, no time between `t_min` and `t_max`, or a ray
-    /// that stands still beside the cube of `size` voxels.
+    /// Whether a query is a ray that can meet a cube of `size` voxels: finite numbers, a direction, time between `t_min`
+    /// and `t_max`, and not standing still beside the cube.
     #[inline(always)]
-    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Option<Ray> {
+    pub(super) fn exists(query: &Query, size: i32) -> bool {
+        let Query { origin: o, dir: d, t_min, t_max, .. } = query;
+        let finite = o.iter().chain(d).all(|x| x.is_finite());
+        let beside = |i: usize| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size));
+        // The comparison of times also refuses NaN.
+        finite && *d != [0.0; 3] && t_min < t_max && !(0..3).any(beside)
+    }
+
+    /// The ray of a query that [`Ray::exists`].
+    #[inline(always)]
+    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Ray {
         let Query { origin: o, dir: d, t_min, t_max, .. } = *query;
-        let finite = o.iter().chain(&d).all(|x| x.is_finite());
-        // The comparison also refuses NaN.
-        if !finite || d == [0.0; 3] || !(t_min < t_max) {
-            return None;
-        }
-        if (0..3).any(|i| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size))) {
-            return None;
-        }
         let mut ray = Ray {
             origin: [o[0], o[1], o[2], 0.0],
             dir: [d[0], d[1], d[2], 1.0],
@@ -84,7 +86,7 @@ impl Ray {
             ray.half = [1.0; 3];
         }
         ray.stop = t_max - ray.time_slack;
-        Some(ray)
+        ray
     }
 
     /// Bounds the errors of the f64 values; leaves the slacks infinite where numbers are so small or so large that
@@ -164,6 +166,9 @@ impl Ray {
     /// The order in which two crossings enter their voxels; equal ones enter together.
     #[inline]
     pub(super) fn order<const EXACT: bool>(&self, a: &Crossing, b: &Crossing) -> Ordering {
+        if a.axis == b.axis && a.plane == b.plane {
+            return Ordering::Equal;
+        }
         let apart = a.t - b.t;
         if apart.abs() > self.time_slack {
             return if apart < 0.0 { Ordering::Less } else { Ordering::Greater };
@@ -190,11 +195,15 @@ impl Ray {
     /// The cell on an axis within `low..=high` that the ray is in once `now` has been crossed.
     pub(super) fn cell<const EXACT: bool>(&self, axis: usize, now: &Crossing, low: i32, high: i32) -> i32 {
         let (places, doubt) = self.places(now.t);
+        let (mut low, mut high) = (low, high);
         if doubt >> axis & 1 == 0 {
             return places[axis].max(low).min(high);
         }
+        // The place is near a plane: only the cells beside it are left, unless f64 cannot tell at all.
+        if self.half[axis] > 0.25 {
+            (low, high) = ((places[axis] - 1).max(low).min(high), (places[axis] + 1).max(low).min(high));
+        }
         // Bisect: ask of planes whether they have been crossed.
-        let (mut low, mut high) = (low, high);
         while low < high {
             let plane = low + (high - low + 1) / 2;
             let crossed = self.order::<EXACT>(&self.crossing(axis, plane), now).is_le();

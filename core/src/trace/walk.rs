@@ -16,15 +16,25 @@ use crate::morton::Morton;
 /// Nearest hit.
 #[inline(never)]
 pub(super) fn trace<const EXACT: bool>(dag: &Dag<'_>, query: &Query) -> Option<Hit> {
-    let (ray, start, entry) = enter::<EXACT>(dag, query)?;
+    let size = 1i32 << dag.depth();
+    if dag.is_empty() || !Ray::exists(query, size) {
+        return None;
+    }
+    let ray = Ray::new::<EXACT>(query, size);
+    let (start, entry) = enter::<EXACT>(&ray, query, size)?;
     let (p, last, level) = walk::<EXACT>(dag, &ray, start, entry, query.min_level)?;
-    Some(arrive::<EXACT>(&ray, p, level, last, 1 << dag.depth(), query.t_min))
+    Some(arrive::<EXACT>(&ray, p, level, last, size, query.t_min))
 }
 
 /// Any hit.
 #[inline(never)]
 pub(super) fn occluded<const EXACT: bool>(dag: &Dag<'_>, query: &Query) -> bool {
-    let Some((ray, start, entry)) = enter::<EXACT>(dag, query) else { return false };
+    let size = 1i32 << dag.depth();
+    if dag.is_empty() || !Ray::exists(query, size) {
+        return false;
+    }
+    let ray = Ray::new::<EXACT>(query, size);
+    let Some((start, entry)) = enter::<EXACT>(&ray, query, size) else { return false };
     walk::<EXACT>(dag, &ray, start, entry, query.min_level).is_some()
 }
 
@@ -106,20 +116,15 @@ fn walk<const EXACT: bool>(
     }
 }
 
-/// Checks the ray and finds its first voxel in the cube, and the crossing that led into the cube (`None` if it starts
-/// inside).
+/// The first voxel in the cube, and the crossing that led into the cube (`None` if the ray starts inside); `None` for a
+/// miss.
 #[inline(always)]
-fn enter<const EXACT: bool>(dag: &Dag<'_>, query: &Query) -> Option<(Ray, [i32; 3], Option<Crossing>)> {
-    if dag.is_empty() {
-        return None;
-    }
-    let size = 1i32 << dag.depth();
-    let ray = Ray::new::<EXACT>(query, size)?;
+fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<([i32; 3], Option<Crossing>)> {
     let start = Crossing::at_time(query.t_min);
     if let Some(voxel) = query.start {
         let p = voxel.decode().map(|x| x as i32);
         let inside = p.iter().all(|x| *x < size) && query.t_min.is_finite();
-        return inside.then_some((ray, p, None));
+        return inside.then_some((p, None));
     }
     // The ray enters with the last of the planes that face it, unless it has crossed them all at t_min.
     let mut entry: Option<Crossing> = None;
@@ -147,7 +152,7 @@ fn enter<const EXACT: bool>(dag: &Dag<'_>, query: &Query) -> Option<(Ray, [i32; 
         }
         p[i] = ray.cell::<EXACT>(i, &now, 0, size - 1);
     }
-    Some((ray, p, entry))
+    Some((p, entry))
 }
 
 /// The face through which a step in negative or positive direction enters, per axis.
