@@ -61,6 +61,11 @@ pub fn next(arguments: impl std::fmt::Display) {
     eprintln!("{gap}next: {} {arguments}", program());
 }
 
+/// The arguments of this run as they must be typed.
+pub fn typed() -> String {
+    std::env::args_os().skip(1).map(|word| shell_word(Path::new(&word))).collect::<Vec<_>>().join(" ")
+}
+
 /// A path as it must be typed: in quotes if the shell would take it apart.
 pub fn shell_word(path: &Path) -> String {
     let text = path.display().to_string();
@@ -84,7 +89,7 @@ pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut out = String::with_capacity(digits.len() * 4 / 3);
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             out.push(',');
         }
         out.push(digit);

@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use serde::Serialize;
 use voxdag::demo;
-use voxdag::render::Samples;
 
 use crate::error::Result;
 use crate::options::{ArithmeticArg, BuildArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs};
@@ -102,7 +101,7 @@ fn view() -> PictureArgs {
         lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
         ambient: view.ambient,
         normals: NormalsArg::default(),
-        samples: Samples::Four,
+        samples: None,
         arithmetic: ArithmeticArg::default(),
     }
 }

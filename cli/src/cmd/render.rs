@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<()> {
     let report = Report {
         width,
         height,
-        samples: args.picture.samples.count(),
+        samples: picture.samples,
         resolution: grid.resolution,
         rays,
         hits,
@@ -108,12 +108,12 @@ pub fn run(args: &Args) -> Result<()> {
         threads: pool.current_num_threads(),
     };
     report::result(args.report.json, &report, &lines(&report))?;
-    let (input, output) = (shell_word(&args.input), shell_word(&args.output));
+    let input = shell_word(&args.input);
     if !is_scene {
-        let scene = shell_word(&args.input.with_extension("vxd"));
-        report::next(format_args!("build {input} -o {scene}"));
-    } else if args.picture.samples.count() < 16 {
-        report::next(format_args!("render {input} -o {output} --samples 16"));
+        let scene = shell_word(&args.output.with_extension("vxd"));
+        report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
+    } else if args.picture.samples.is_none() {
+        report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
     }
