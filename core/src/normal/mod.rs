@@ -73,7 +73,7 @@ pub fn normal<M: Materials>(dag: Dag<'_>, materials: M, hit: &Hit, dir: [f64; 3]
     let view = View { dir, face: entry_face(hit.face, dir) };
     let stored = || {
         let n = materials.normal(dag, hit.voxel)?;
-        view.facing(n.map(f64::from), Confidence::Stored)
+        view.facing(math::normalize(n.map(f64::from))?, Confidence::Stored)
     };
     let found = match kind {
         NormalKind::Face => None,
@@ -118,9 +118,11 @@ impl View {
         self.facing(core::array::from_fn(|i| filled(i, -1) - filled(i, 1)), Confidence::Gradient)
     }
 
-    /// `n` at unit length, on the viewer's side; `None` if it has no direction or no side.
+    /// `n`, whose square is far from the limits of f64, at unit length on the viewer's side; `None` if it is 0 or has no
+    /// side.
     fn facing(&self, n: [f64; 3], confidence: Confidence) -> Option<Normal> {
-        let n = math::normalize(n)?;
+        let scale = 1.0 / math::sqrt(math::dot(n, n));
+        let n = n.map(|x| x * scale);
         let away = math::dot(n, self.dir);
         // Where the plane is seen edge-on, the side of entry decides.
         let towards = if away != 0.0 { -away } else { math::dot(n, self.face) };
