@@ -110,10 +110,14 @@ impl View {
 
     /// From filled to empty among the six neighbours; outside the cube is empty. `None`: entry face.
     fn gradient(&self, dag: Dag<'_>, voxel: Morton) -> Option<Normal> {
+        let own = dag.brick(voxel);
         let filled = |axis: usize, step: i32| {
             let mut offset = [0; 3];
             offset[axis] = step;
-            f64::from(u8::from(voxel.neighbour(offset).is_some_and(|v| dag.contains(v))))
+            let Some(v) = voxel.neighbour(offset) else { return 0.0 };
+            // Three of four neighbours lie in the same brick.
+            let mask = if v.0 >> 6 == voxel.0 >> 6 { own } else { dag.brick(v) };
+            (mask >> (v.0 & 63) & 1) as f64
         };
         self.facing(core::array::from_fn(|i| filled(i, -1) - filled(i, 1)), Confidence::Gradient)
     }
