@@ -6,8 +6,8 @@
 //!
 //! The covariance times n^2, its minors and its determinant are exact i64. The smallest eigenvalue comes from the
 //! characteristic polynomial, whose integer coefficients are the same for all 48 orientations of a neighbourhood, so
-//! every orientation takes the same branch. Newton's method from 0 climbs to it (the polynomial is concave and rising there)
-//! with `+ - * /` only. The eigenvector is the largest column of `adj(C - l0 I) = (l1 - l0) (l2 - l0) v v^T`: accurate
+//! every orientation takes the same branch. Newton's method from 0 climbs to it, as the polynomial is concave and
+//! rising there. The eigenvector is the largest column of `adj(C - l0 I) = (l1 - l0) (l2 - l0) v v^T`: accurate
 //! as long as l1 is clear of l0, which is the case wherever the answer is used, and exact zeros stay exact.
 
 use super::window::Moments;

@@ -102,12 +102,8 @@ impl Sums {
             | (two[0] & TEN) << 40
             | (two[1] & TEN) << 48
             | (two[2] & TEN) << 56;
-        let weights = b[0] * b[0]
-            | (b[1] * b[1]) << 10
-            | (b[2] * b[2]) << 20
-            | (b[1] * b[2]) << 30
-            | (b[0] * b[2]) << 40
-            | (b[0] * b[1]) << 50;
+        let [x, y, z] = b;
+        let weights = (x * x) | (y * y) << 10 | (z * z) << 20 | (y * z) << 30 | (x * z) << 40 | (x * y) << 50;
         self.cells = self.cells.wrapping_add(all);
         self.halves = self.halves.wrapping_add(halves);
         self.bricks += n * weights;
@@ -145,10 +141,21 @@ impl Moments {
         each_brick(dag, voxel.decode(), radius, |place, mask| sums.add(place, mask));
         sums.moments()
     }
+
+    /// From the centre of the filled voxels to `voxel`, where these are the moments around it.
+    pub(super) fn out_of_center(&self, voxel: Morton, radius: u32) -> [f64; 3] {
+        let own = voxel.decode().map(|c| i64::from(c - first_corner(c, radius)));
+        core::array::from_fn(|i| (own[i] * self.count - self.first[i]) as f64 / self.count as f64)
+    }
 }
 
-/// Calls `each` with the place (in bricks from the window's first one) and the mask, clipped to the window, of every brick
-/// that holds a voxel of it.
+/// Where the first brick of a window starts, along one axis.
+fn first_corner(center: u32, radius: u32) -> u32 {
+    center.saturating_sub(radius) & !3
+}
+
+/// Calls `each` for every brick that holds a voxel of the window: with its place, in bricks from the window's first one, and
+/// its mask, clipped to the window.
 #[inline]
 fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut([u32; 3], u64)) {
     let last = (1 << dag.depth()) - 1;
@@ -172,7 +179,7 @@ fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut(
     let mut along = [[(0, 0); 3]; 3];
     for i in 0..3 {
         let axis = AXIS << i & !63;
-        let (mut code, mut corner) = (code & axis, lo[i] & !3);
+        let (mut code, mut corner) = (code & axis, first_corner(center[i], radius));
         for entry in along[i].iter_mut().take(bricks[i] as usize) {
             let (from, to) = (lo[i].saturating_sub(corner), (hi[i] - corner).min(3));
             *entry = (code, SLABS[i][(from & 3) as usize][to as usize]);
