@@ -418,7 +418,8 @@ fn stored_normals_come_first_where_there_are_any() {
     }
 }
 
-/// Eigenvalues, ascending, with eigenvectors of a symmetric matrix by cyclic Jacobi rotations (Golub, Van Loan 2013, 8.5).
+/// Eigenvalues, ascending, with eigenvectors of a symmetric matrix by cyclic Jacobi rotations (Golub, Van Loan 2013,
+/// 8.5).
 fn jacobi(mut a: [[f64; 3]; 3]) -> [(f64, [f64; 3]); 3] {
     let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     for _ in 0..30 {

@@ -1,14 +1,14 @@
 //! The surface's direction at a hit, from the occupancy around it (Pineda 2021, section 4.3) or as stored.
 //!
 //! In: a DAG, a hit on it and the ray's direction. Out: always a unit vector out of the surface, and how it was found.
-//! Exact integer moments decide every degenerate case, so neither the place of a neighbourhood nor how it is turned matters:
-//! a plane if the voxels are flat enough (l0 / l1 <= 0.6), otherwise the gradient, otherwise the entry face; for voxels on a
-//! line the view direction made perpendicular to it, otherwise the entry face.
+//! Exact integer moments decide every degenerate case, so neither the place of a neighbourhood nor how it is turned
+//! matters: a plane if the voxels are flat enough (l0 / l1 <= 0.6), otherwise the gradient, otherwise the entry face;
+//! for voxels on a line the view direction made perpendicular to it, otherwise the entry face.
 //!
 //! Side: of a plane's two normals the one along `face - d + (voxel - centre)`, with the entry face's normal, the ray's
-//! unit direction, and the centre of the filled voxels around; if neither is, the entry face. Differs from the thesis, which
-//! asks the face alone and errs for up to 24 % of the hits on bumpy floors, and from `n . d < 0`, which errs for 0.3 to 2 %
-//! on balls, where voxels beyond the horizon stick out. In the same pictures the sum never did.
+//! unit direction, and the centre of the filled voxels around; if neither is, the entry face. Differs from the thesis,
+//! which asks the face alone and errs for up to 24 % of the hits on bumpy floors, and from `n . d < 0`, which errs for
+//! 0.3 to 2 % on balls, where voxels beyond the horizon stick out. In the same pictures the sum never did.
 
 mod plane;
 mod window;

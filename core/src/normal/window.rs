@@ -1,12 +1,12 @@
 //! The filled voxels around a voxel, gathered as brick masks, and their moments.
 //!
 //! In: a DAG, a voxel and a radius r. Out: number, sums and sums of products of the coordinates of the filled voxels in
-//! the (2 r + 1)^3 window around it. Exact integers, counted from the window's first brick, so where the window lies does
-//! not matter; voxels outside the cube are absent.
+//! the (2 r + 1)^3 window around it. Exact integers, counted from the window's first brick, so where the window lies
+//! does not matter; voxels outside the cube are absent.
 //!
-//! All bricks of a window are reached from the lowest node that holds it. Masks are summed by octants of 2^3 voxels (one
-//! byte each in Morton order), whose moments stand in a table as packed numbers that are added as they are: no population
-//! counts, which baseline x86-64 and wasm32 lack or emulate, and no look-up per voxel.
+//! All bricks of a window are reached from the lowest node that holds it. Masks are summed by octants of 2^3 voxels
+//! (one byte each in Morton order), whose moments stand in a table as packed numbers that are added as they are: no
+//! population counts, which baseline x86-64 and wasm32 lack or emulate, and no look-up per voxel.
 
 use crate::dag::{BRICK_LEVEL, Dag, HEADER, ONES};
 use crate::morton::Morton;
@@ -154,8 +154,8 @@ fn first_corner(center: u32, radius: u32) -> u32 {
     center.saturating_sub(radius) & !3
 }
 
-/// Calls `each` for every brick that holds a voxel of the window: with its place, in bricks from the window's first one, and
-/// its mask, clipped to the window.
+/// Calls `each` for every brick that holds a voxel of the window: with its place, in bricks from the window's first
+/// one, and its mask, clipped to the window.
 #[inline]
 fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut([u32; 3], u64)) {
     let last = (1 << dag.depth()) - 1;
