@@ -19,16 +19,22 @@ extern crate std;
 pub mod math;
 pub mod morton;
 
+#[cfg(feature = "alloc")]
+pub mod demo;
+
 pub mod grid;
 pub mod material;
 pub mod mesh;
+
+#[cfg(feature = "alloc")]
+pub mod triangulate;
 
 #[cfg(feature = "obj")]
 pub mod mtl;
 #[cfg(feature = "obj")]
 pub mod obj;
-#[cfg(feature = "alloc")]
-pub mod triangulate;
+#[cfg(feature = "obj")]
+mod text;
 
 #[cfg(feature = "alloc")]
 pub mod voxelize;
@@ -37,9 +43,12 @@ pub mod build;
 pub mod dag;
 pub mod materials;
 pub mod octahedral;
+#[cfg(feature = "alloc")]
+pub mod scene;
 pub mod table;
 pub mod trace;
 
+pub mod file;
 pub mod normal;
 
 pub mod color;

@@ -148,6 +148,8 @@ impl Reducer {
             return Err(BuildError::Outside { code: code.0 });
         }
         self.check(code, level)?;
+        // The nodes that the curve has left were visited before those of the subtree.
+        self.leave(store, code)?;
         // Store bricks and nodes in the subtree's own order; the new ones keep it.
         let words = dag.words();
         for word in (dag.level_start(BRICK_LEVEL)..dag.level_start(3)).step_by(2) {
@@ -190,10 +192,7 @@ impl Reducer {
 
     /// Hangs a finished cube of `level` into its parent, after closing what the curve has left.
     fn add(&mut self, store: &mut impl Store, code: Morton, level: u8, id: u32) -> Result<(), BuildError> {
-        if self.end != 0 {
-            let apart = code.0 ^ self.last;
-            self.close_to(store, ((63 - apart.leading_zeros()) / 3) as u8)?;
-        }
+        self.leave(store, code)?;
         self.last = code.0;
         self.end = code.0 + (1 << (3 * u32::from(level)));
         if level == self.depth.max(BRICK_LEVEL) {
@@ -202,6 +201,15 @@ impl Reducer {
             self.open[level as usize + 1].add(code.octant(level), id);
         }
         Ok(())
+    }
+
+    /// Closes the open nodes that do not hold the voxel at `code`, which lies after all that came before.
+    fn leave(&mut self, store: &mut impl Store, code: Morton) -> Result<(), BuildError> {
+        if self.end == 0 {
+            return Ok(());
+        }
+        let apart = code.0 ^ self.last;
+        self.close_to(store, ((63 - apart.leading_zeros()) / 3) as u8)
     }
 
     /// Closes the open nodes of levels 3 to `level`.

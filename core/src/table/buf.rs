@@ -7,7 +7,7 @@ use super::{Entry, HEADER, Table, words_for};
 use crate::material::MaterialId;
 use crate::morton::Morton;
 
-/// A growing table. It is at most half full, where the mean look-up reads 1.5 slots, and doubles when it would be more.
+/// A growing table. It doubles when it would be more than half full, where the mean look-up reads 1.5 slots.
 ///
 /// Its words depend on the set of entries and on the capacity asked for at first, not on the order of insertion.
 #[derive(Debug)]
@@ -43,6 +43,15 @@ impl TableBuf {
         self.words
     }
 
+    /// Lends the table to `insert`, which may fill it to 7/8 but cannot make it grow; this is the way to
+    /// [`TableMut::split`].
+    pub fn fill<T>(&mut self, insert: impl FnOnce(&mut TableMut<'_>) -> T) -> T {
+        let mut table = TableMut::resume(&mut self.words, self.max_material);
+        let result = insert(&mut table);
+        self.max_material = table.max_material;
+        result
+    }
+
     /// Stores the entry of a voxel, in place of the one it has; see [`TableMut::insert`].
     pub fn insert(&mut self, voxel: Morton, entry: Entry) -> Result<(), InsertError> {
         if self.room() == 0 && self.as_table().get(voxel).is_none() {
@@ -73,7 +82,7 @@ impl TableBuf {
     /// How many entries fit until the table is half full.
     fn room(&self) -> u64 {
         let table = self.as_table();
-        table.slots() / 2 - table.len()
+        (table.slots() / 2).saturating_sub(table.len())
     }
 
     /// Twice the slots. The entries move in the order of their hashes, so both tables are walked from front to back.
@@ -85,13 +94,5 @@ impl TableBuf {
         grown.max_material = self.max_material;
         *self = grown;
         Ok(())
-    }
-
-    /// Lends the words to `insert`, and keeps what it found out.
-    fn fill(&mut self, insert: impl FnOnce(&mut TableMut<'_>) -> Result<(), InsertError>) -> Result<(), InsertError> {
-        let mut table = TableMut::resume(&mut self.words, self.max_material);
-        let done = insert(&mut table);
-        self.max_material = table.max_material;
-        done
     }
 }

@@ -1,20 +1,20 @@
 //! Filling a table in lent memory. Failing insertions leave it as it was; each step leaves words that
 //! [`Table::new`] takes.
 
-use super::{Entry, HEADER, MAX_PROBES, MAX_SLOTS, Table, home, join, max_len, mix, words_for};
+use super::range::{Pending, Placed, Range};
+use super::{Entry, HEADER, MAX_PROBES, MAX_SLOTS, Table, join, max_len, words_for};
 use crate::material::MaterialId;
 use crate::morton::Morton;
-use crate::octahedral;
 
 /// Keys whose home slots are loaded together: enough to keep a core's loads from memory overlapping.
-pub(super) const BATCH: usize = 32;
+const BATCH: usize = 32;
 
 /// A table that is being filled.
 #[derive(Debug)]
 pub struct TableMut<'a> {
     words: &'a mut [u32],
-    slots: u64,
-    stride: usize,
+    pub(super) slots: u64,
+    pub(super) stride: usize,
     pub(super) max_material: MaterialId,
 }
 
@@ -61,15 +61,6 @@ impl core::fmt::Display for InsertError {
 }
 
 impl core::error::Error for InsertError {}
-
-/// An entry on its way into the table.
-#[derive(Clone, Copy, Default)]
-struct Pending {
-    key: u64,
-    hash: u64,
-    material: MaterialId,
-    normal: u32,
-}
 
 impl<'a> TableMut<'a> {
     /// An empty table in as many of the words as make whole slots; what they held is lost.
@@ -126,148 +117,88 @@ impl<'a> TableMut<'a> {
 
     /// Stores the entry of a voxel, in place of the one it has. A table without normals drops the normal.
     pub fn insert(&mut self, voxel: Morton, entry: Entry) -> Result<(), InsertError> {
-        let pending = self.prepare(voxel, entry)?;
-        self.put(&pending)
+        self.put(&Pending::new(voxel, entry, self.stride)?)
     }
 
     /// Inserts all entries in turn; several times as fast as one by one where the table is larger than the caches.
     /// After an error all entries before the refused one are in.
     pub fn insert_all(&mut self, entries: impl IntoIterator<Item = (Morton, Entry)>) -> Result<(), InsertError> {
-        let mut entries = entries.into_iter();
-        let mut batch = [Pending::default(); BATCH];
-        loop {
-            let mut count = 0;
-            let mut refused = Ok(());
-            for (pending, (voxel, entry)) in batch.iter_mut().zip(&mut entries) {
-                match self.prepare(voxel, entry) {
-                    Ok(prepared) => *pending = prepared,
-                    Err(error) => {
-                        refused = Err(error);
-                        break;
-                    }
-                }
-                count += 1;
-            }
-            self.put_all(&batch[..count])?;
-            refused?;
-            if count < BATCH {
-                return Ok(());
-            }
-        }
+        in_batches(entries, self.stride, |_| true, |batch| self.put_all(batch))
     }
 
     /// Inserts the entries that another table's slots hold, in the order of their hashes.
     #[cfg(feature = "alloc")]
     pub(super) fn take_all(&mut self, slots: &[u32]) -> Result<(), InsertError> {
-        for slot in slots.chunks_exact(self.stride) {
-            let key = join(slot[0], slot[1]);
-            if key != 0 {
-                let normal = slot.get(3).copied().unwrap_or(0);
-                self.put(&Pending { key, hash: mix(key), material: slot[2] as MaterialId, normal })?;
-            }
-        }
-        Ok(())
+        slots.chunks_exact(self.stride).filter_map(Pending::of_slot).try_for_each(|pending| self.put(&pending))
     }
 
-    /// Hashes a key and packs its value.
+    /// All slots.
     #[inline]
-    fn prepare(&self, voxel: Morton, entry: Entry) -> Result<Pending, InsertError> {
-        if voxel.0 >> 63 != 0 {
-            return Err(InsertError::NotACode { voxel });
-        }
-        let key = voxel.0 + 1;
-        let normal = match entry.normal {
-            Some(normal) if self.stride == 4 => octahedral::encode(normal),
-            _ => 0,
-        };
-        Ok(Pending { key, hash: mix(key), material: entry.material, normal })
+    pub(super) fn range(&mut self) -> Range<'_> {
+        Range { words: &mut self.words[HEADER..], first: 0, slots: self.slots, stride: self.stride }
     }
 
-    /// Inserts a batch, its home slots loaded beforehand so that the loads overlap.
     fn put_all(&mut self, batch: &[Pending]) -> Result<(), InsertError> {
-        let mut touched = 0;
-        for pending in batch {
-            touched |= self.words.get(self.word(home(pending.hash, self.slots))).copied().unwrap_or(0);
-        }
-        core::hint::black_box(touched);
+        self.range().touch(batch);
         batch.iter().try_for_each(|pending| self.put(pending))
     }
 
-    /// Inserts one entry where the order of hashes puts it.
     #[inline]
-    fn put(&mut self, new: &Pending) -> Result<(), InsertError> {
-        let crowded = InsertError::Crowded { voxel: Morton(new.key - 1) };
-        let first = home(new.hash, self.slots);
-
-        // Find the place: behind all smaller hashes.
-        let mut place = first;
-        loop {
-            let key = self.key(place);
-            if key == new.key {
-                self.write(place, new);
-                return Ok(());
-            }
-            if key == 0 || mix(key) > new.hash {
-                break;
-            }
-            place += 1;
-            if place - first == u64::from(MAX_PROBES) {
-                return Err(crowded);
-            }
-        }
+    pub(super) fn put(&mut self, new: &Pending) -> Result<(), InsertError> {
         let len = self.len();
-        if len >= max_len(self.slots) {
-            return Err(InsertError::Full { missing: (8 * (len + 1)).div_ceil(7) - self.slots });
+        let full = len >= max_len(self.slots);
+        match self.range().place(new, full) {
+            Placed::Replaced => {}
+            Placed::Added { longest } => self.count(1, longest),
+            Placed::Full => return Err(full_by(len + 1, self.slots)),
+            Placed::Crowded | Placed::End => return Err(InsertError::Crowded { voxel: new.voxel() }),
         }
-
-        // Find the first empty slot behind it, and how far from home the entries up to there will be.
-        let mut longest = place - first + 1;
-        let mut end = place;
-        loop {
-            let key = self.key(end);
-            if key == 0 {
-                break;
-            }
-            end += 1;
-            longest = longest.max(end - home(mix(key), self.slots) + 1);
-            if longest > u64::from(MAX_PROBES) {
-                return Err(crowded);
-            }
-        }
-
-        // Move them up by one and fill the gap.
-        let (from, to) = (self.word(place), self.word(end));
-        self.words.copy_within(from..to, from + self.stride);
-        self.write(place, new);
-        self.words[1] = self.words[1].max(longest as u32);
-        (self.words[4], self.words[5]) = ((len + 1) as u32, ((len + 1) >> 32) as u32);
+        self.max_material = self.max_material.max(new.material);
         Ok(())
     }
 
-    /// Offset of a slot's first word.
+    /// Keeps the header in step with entries that were added.
     #[inline]
-    fn word(&self, slot: u64) -> usize {
-        HEADER + slot as usize * self.stride
+    pub(super) fn count(&mut self, added: u64, longest: u32) {
+        let len = self.len() + added;
+        self.words[1] = self.words[1].max(longest);
+        (self.words[4], self.words[5]) = (len as u32, (len >> 32) as u32);
     }
+}
 
-    /// The key in a slot, 0 if it is empty. All slots that insertion asks for exist: up to the first empty one behind a
-    /// home there are fewer than the slots past the last home.
-    #[inline]
-    fn key(&self, slot: u64) -> u64 {
-        let word = self.word(slot);
-        match self.words.get(word..word + 2) {
-            Some(&[low, high]) => join(low, high),
-            _ => 0,
+/// How many slots are missing for `len` entries.
+pub(super) fn full_by(len: u64, slots: u64) -> InsertError {
+    InsertError::Full { missing: (8 * len).div_ceil(7) - slots }
+}
+
+/// Hands entries on in batches, those of them that are said to be wanted. Those before a refused one are handed on too.
+#[inline]
+pub(super) fn in_batches(
+    entries: impl IntoIterator<Item = (Morton, Entry)>,
+    stride: usize,
+    wanted: impl Fn(&Pending) -> bool,
+    mut put_all: impl FnMut(&[Pending]) -> Result<(), InsertError>,
+) -> Result<(), InsertError> {
+    let mut batch = [Pending::default(); BATCH];
+    let mut count = 0;
+    for (voxel, entry) in entries {
+        match Pending::new(voxel, entry, stride) {
+            Ok(pending) => {
+                // What is not wanted is overwritten by the next: no branch, as nothing could predict it.
+                batch[count] = pending;
+                count += usize::from(wanted(&pending));
+            }
+            Err(error) => {
+                put_all(&batch[..count])?;
+                return Err(error);
+            }
+        }
+        if count == BATCH {
+            put_all(&batch)?;
+            count = 0;
         }
     }
-
-    #[inline]
-    fn write(&mut self, slot: u64, new: &Pending) {
-        let word = self.word(slot);
-        let values = [new.key as u32, (new.key >> 32) as u32, u32::from(new.material), new.normal];
-        self.words[word..word + self.stride].copy_from_slice(&values[..self.stride]);
-        self.max_material = self.max_material.max(new.material);
-    }
+    put_all(&batch[..count])
 }
 
 /// The view of words that a `TableMut` wrote, without checking them once more.

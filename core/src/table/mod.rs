@@ -20,10 +20,13 @@
 #[cfg(feature = "alloc")]
 mod buf;
 mod insert;
+mod range;
+mod split;
 
 #[cfg(feature = "alloc")]
 pub use buf::TableBuf;
 pub use insert::{InsertError, TableMut};
+pub use split::{FilledPart, TablePart};
 
 use crate::material::MaterialId;
 use crate::morton::Morton;

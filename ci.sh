@@ -1,0 +1,109 @@
+#!/usr/bin/env bash
+# Every check of this project, one function each.
+#
+#   ./ci.sh            all of them, in this order; the rest still run when one fails
+#   ./ci.sh test       one of them
+#   ./ci.sh fuzz 60    every fuzz target for 60 seconds (nightly and cargo-fuzz needed; not part of `all`)
+set -euo pipefail
+cd "$(dirname "$0")"
+
+ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo test)
+
+# Both lock files are committed and fit their manifests.
+check_lock() {
+    cargo metadata --locked --format-version 1 >/dev/null
+    cargo metadata --locked --format-version 1 --manifest-path fuzz/Cargo.toml >/dev/null
+}
+
+check_fmt() {
+    cargo fmt --all --check
+    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs
+}
+
+check_clippy() {
+    cargo clippy --locked --workspace --all-targets -- -D warnings
+}
+
+check_doc() {
+    RUSTDOCFLAGS=-Dwarnings cargo doc --locked --no-deps --workspace
+}
+
+# The core as a library alone, on targets without std: without a heap and with one.
+check_no_std() {
+    local target
+    for target in thumbv7em-none-eabihf x86_64-unknown-none wasm32-unknown-unknown; do
+        cargo build --locked -p voxdag --lib --no-default-features --target "$target"
+        cargo build --locked -p voxdag --lib --no-default-features --features alloc --target "$target"
+    done
+}
+
+check_wasm() {
+    cargo build --locked -p voxdag-wasm --target wasm32-unknown-unknown
+}
+
+# The fuzz targets compile on stable; libFuzzer itself is not built for that.
+check_fuzz_builds() {
+    CUSTOM_LIBFUZZER_PATH=/nowhere/libfuzzer.a cargo check --locked --manifest-path fuzz/Cargo.toml
+}
+
+# The README's first command writes a PNG into the current folder.
+check_demo() {
+    local command='cargo run --release -- demo' folder
+    in_readme "$command"
+    folder=$(mktemp -d)
+    trap "rm -rf '$folder'" EXIT
+    (export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+     manifest=$PWD/Cargo.toml
+     cd "$folder" && ${command/ -- / --locked --manifest-path "$manifest" -- })
+    printf '\x89PNG\r\n\x1a\n' | cmp -n 8 - "$folder/voxdag-demo.png"
+    test "$(wc -c <"$folder/voxdag-demo.png")" -gt 100000
+}
+
+# The README's second command, as it stands there.
+check_test() {
+    local command='cargo test --workspace'
+    in_readme "$command"
+    $command
+}
+
+check_fuzz() {
+    local seconds=${1:-60} target
+    for target in fuzz/fuzz_targets/*.rs; do
+        target=$(basename "$target" .rs)
+        # New inputs go to a folder that git does not see; the committed ones seed it.
+        mkdir -p "fuzz/target/corpus/$target"
+        cargo +nightly fuzz run "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" "fuzz/regressions/$target" \
+            -- -max_total_time="$seconds" -max_len=1024
+    done
+}
+
+check_all() {
+    local check failed=() start
+    for check in "${ALL[@]}"; do
+        echo "== $check"
+        start=$SECONDS
+        if bash ci.sh "$check"; then
+            echo "== $check: ok, $((SECONDS - start)) s"
+        else
+            echo "== $check: FAILED, $((SECONDS - start)) s"
+            failed+=("$check")
+        fi
+    done
+    if ((${#failed[@]})); then
+        echo "failed: ${failed[*]}"
+        exit 1
+    fi
+    echo "all checks passed in $SECONDS s"
+}
+
+in_readme() {
+    grep -qxF "$1" README.md || { echo "README.md does not name the command: $1" >&2; exit 1; }
+}
+
+name=${1:-all}
+if ! declare -F "check_$name" >/dev/null; then
+    echo "no check named $name; there are: all ${ALL[*]} fuzz" >&2
+    exit 2
+fi
+shift || true
+"check_$name" "$@"

@@ -1,0 +1,106 @@
+//! The textbook methods that the core is compared with, as they are usually written: rounding errors and all.
+//!
+//! In: the same questions as the oracles get. Out: the usual answers. Overlap is closed (touching counts), the tracer
+//! accumulates t in f32. They show what exactness costs and what its lack costs, and nothing else uses them.
+
+use num_traits::Float;
+
+type V<F> = [F; 3];
+
+fn sub<F: Float>(a: V<F>, b: V<F>) -> V<F> {
+    core::array::from_fn(|i| a[i] - b[i])
+}
+
+fn cross<F: Float>(a: V<F>, b: V<F>) -> V<F> {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot<F: Float>(a: V<F>, b: V<F>) -> F {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Triangle against closed box by 13 separating axes (Akenine-Moeller 2001), relative to the box's centre.
+pub fn akenine_moller<F: Float>(triangle: [V<F>; 3], centre: V<F>, half: V<F>) -> bool {
+    let v = triangle.map(|p| sub(p, centre));
+    let edges = [sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2])];
+    let separates = |axis: V<F>| {
+        let p = v.map(|q| dot(axis, q));
+        let r = half[0] * axis[0].abs() + half[1] * axis[1].abs() + half[2] * axis[2].abs();
+        p[0].min(p[1]).min(p[2]) > r || p[0].max(p[1]).max(p[2]) < -r
+    };
+    let (zero, one) = (F::zero(), F::one());
+    let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
+    let nine = edges.iter().flat_map(|&e| axes.map(|a| cross(a, e)));
+    !axes.into_iter().chain(nine).chain([cross(edges[0], edges[1])]).any(separates)
+}
+
+/// Triangle against the closed box `corner .. corner + size` by plane and three projections (Schwarz and Seidel 2010),
+/// in f32 and absolute coordinates, as voxelisers on graphics cards do.
+pub fn schwarz_seidel(triangle: [V<f32>; 3], corner: V<f32>, size: V<f32>) -> bool {
+    let v = triangle;
+    let edges = [sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2])];
+    let n = cross(edges[0], edges[1]);
+    for i in 0..3 {
+        let (lo, hi) = (v[0][i].min(v[1][i]).min(v[2][i]), v[0][i].max(v[1][i]).max(v[2][i]));
+        if hi < corner[i] || lo > corner[i] + size[i] {
+            return false;
+        }
+    }
+    // The plane must pass between the two corners that are extreme along the normal.
+    let critical: V<f32> = core::array::from_fn(|i| if n[i] > 0.0 { size[i] } else { 0.0 });
+    let d1 = dot(n, sub(critical, v[0]));
+    let d2 = dot(n, sub(sub(size, critical), v[0]));
+    let np = dot(n, corner);
+    if (np + d1) * (np + d2) > 0.0 {
+        return false;
+    }
+    // In each projection every edge function must reach 0 at the corner that is extreme along the edge's normal.
+    for (a, b, c) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
+        let sign = if n[c] < 0.0 { -1.0 } else { 1.0 };
+        for k in 0..3 {
+            let normal = [-edges[k][b] * sign, edges[k][a] * sign];
+            let d = -(normal[0] * v[k][a] + normal[1] * v[k][b])
+                + (size[a] * normal[0]).max(0.0)
+                + (size[b] * normal[1]).max(0.0);
+            if normal[0] * corner[a] + normal[1] * corner[b] + d < 0.0 {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+/// The first filled voxel of the cube of side 2^`depth` by a DDA that accumulates t in f32 (Amanatides and Woo 1987);
+/// `None` also after 3 * 2^`depth` steps.
+pub fn dda_f32(origin: V<f32>, dir: V<f32>, depth: u8, filled: impl Fn([u32; 3]) -> bool) -> Option<[u32; 3]> {
+    let side = (1u32 << depth) as f32;
+    let (mut enter, mut leave) = (0.0f32, f32::INFINITY);
+    for i in 0..3 {
+        let (a, b) = ((0.0 - origin[i]) / dir[i], (side - origin[i]) / dir[i]);
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+    }
+    if enter > leave {
+        return None;
+    }
+    let mut voxel: [i64; 3] =
+        core::array::from_fn(|i| ((origin[i] + enter * dir[i]).floor() as i64).clamp(0, (1 << depth) - 1));
+    let delta: V<f32> = core::array::from_fn(|i| (1.0 / dir[i]).abs());
+    let mut next: V<f32> = core::array::from_fn(|i| {
+        let plane = if dir[i] > 0.0 { voxel[i] + 1 } else { voxel[i] };
+        if dir[i] == 0.0 { f32::INFINITY } else { (plane as f32 - origin[i]) / dir[i] }
+    });
+    for _ in 0..3u64 << depth {
+        if voxel.iter().any(|&k| !(0..1 << depth).contains(&k)) {
+            return None;
+        }
+        let here = voxel.map(|k| k as u32);
+        if filled(here) {
+            return Some(here);
+        }
+        let axis = if next[0] < next[1] && next[0] < next[2] { 0 } else { 1 + usize::from(next[2] <= next[1]) };
+        voxel[axis] += if dir[axis] > 0.0 { 1 } else { -1 };
+        next[axis] += delta[axis];
+    }
+    None
+}
