@@ -26,22 +26,41 @@ pub mod grid;
 pub mod material;
 pub mod mesh;
 
+#[cfg(feature = "alloc")]
+pub mod triangulate;
+
 #[cfg(feature = "obj")]
 pub mod mtl;
 #[cfg(feature = "obj")]
 pub mod obj;
-#[cfg(feature = "alloc")]
-pub mod triangulate;
+#[cfg(feature = "obj")]
+mod text;
 
 #[cfg(feature = "alloc")]
 pub mod voxelize;
 
 pub mod build;
 pub mod dag;
+pub mod materials;
+pub mod octahedral;
+#[cfg(feature = "alloc")]
+pub mod scene;
+pub mod table;
 pub mod trace;
+
+pub mod file;
+pub mod normal;
+
+pub mod color;
+pub mod shade;
+
+pub mod camera;
+pub mod render;
 
 pub use dag::Dag;
 pub use grid::Grid;
 pub use material::Material;
+pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use table::{Table, TableMut};

@@ -1,1 +1,426 @@
-//! placeholder
+//! Wavefront MTL: the materials of a scene.
+//!
+//! In: the bytes of a library. Out: materials in the order of the file, colours in linear light, and warnings with their
+//! lines; a number that cannot be used leaves the field at its default, and no file is refused. The statements are those
+//! of the Alias|Wavefront description ("MTL material format", 1995); statements of later dialects are skipped.
+//!
+//! The colour convention: the numbers of Ka, Kd, Ks, Ke and Tf are what authoring tools show, sRGB-encoded; they are
+//! decoded here, once, with the piecewise curve of IEC 61966-2-1, which goes on above 1 for lights. Defaults: Kd that of
+//! [`Material::GREY`], Ka as Kd, Ks and Ke black, Tf white, Ns 1, d 1, Ni 1, illum 2 with a Ks and 1 without.
+
+use alloc::collections::BTreeSet;
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+use std::collections::HashMap;
+
+use crate::material::{MAX_SHININESS, Material};
+use crate::text::{Notes, decode, finite, path, quote, split_keyword, statements, words};
+
+/// A material as a library defines it.
+#[derive(Clone, PartialEq, Debug)]
+pub struct NamedMaterial {
+    /// Its name, without surrounding white space.
+    pub name: String,
+    /// Its parameters, colours in linear light.
+    pub material: Material,
+    /// The texture of its diffuse colour.
+    pub map_kd: Option<TextureMap>,
+}
+
+/// A texture and how it lies on a surface.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TextureMap {
+    /// As the library names it, with `/` between folders.
+    pub path: String,
+    /// `-s`: factor on the texture coordinates.
+    pub scale: [f32; 3],
+    /// `-o`: what is added to the scaled coordinates.
+    pub offset: [f32; 3],
+    /// `-clamp on`: no repetition outside 0 to 1.
+    pub clamp: bool,
+    /// `-mm`, first number: what is added to the scaled values.
+    pub base: f32,
+    /// `-mm`, second number: factor on the texture's values.
+    pub gain: f32,
+}
+
+/// Materials a scene can have.
+pub(crate) const MOST_MATERIALS: usize = 65_535;
+
+/// The materials of all libraries read so far; ids are places in `list`.
+#[derive(Default)]
+pub(crate) struct Materials {
+    pub(crate) list: Vec<NamedMaterial>,
+    ids: HashMap<String, u16>,
+    /// Unknown statements that were warned of.
+    unknown: BTreeSet<String>,
+}
+
+impl Materials {
+    pub(crate) fn id(&self, name: &str) -> Option<u16> {
+        self.ids.get(name).copied()
+    }
+
+    /// Appends a material; `None` if there are [`MOST_MATERIALS`] already.
+    pub(crate) fn push(&mut self, material: NamedMaterial) -> Option<u16> {
+        if self.list.len() >= MOST_MATERIALS {
+            return None;
+        }
+        let id = self.list.len() as u16;
+        self.ids.insert(material.name.clone(), id);
+        self.list.push(material);
+        Some(id)
+    }
+
+    /// The grey stand-in for a name without a definition; `None` if there are too many materials already.
+    pub(crate) fn push_grey(&mut self, name: &str) -> Option<u16> {
+        self.push(NamedMaterial { name: name.into(), material: Material::GREY, map_kd: None })
+    }
+
+    /// Reads a library. Of several definitions of a name the first counts, as in the search order of `mtllib`.
+    /// Err: the line of the material that is one too many.
+    pub(crate) fn read(&mut self, file: &str, bytes: &[u8], notes: &mut Notes) -> Result<(), u32> {
+        let text = decode(bytes);
+        let mut current: Option<(u32, Definition)> = None;
+        let mut skipping = false;
+        for (line, statement) in statements(&text) {
+            if statement.is_empty() || statement.starts_with('#') {
+                continue;
+            }
+            let (keyword, arguments) = split_keyword(&statement);
+            let keyword = keyword.to_ascii_lowercase();
+            if keyword == "newmtl" {
+                self.finish(current.take())?;
+                skipping = true;
+                if arguments.is_empty() {
+                    notes.push(file, line, "newmtl without a name; the material is skipped".into());
+                } else if self.ids.contains_key(arguments) {
+                    let name = quote(arguments);
+                    notes.push(file, line, format!("material {name} is defined again; the first definition counts"));
+                } else {
+                    skipping = false;
+                    current = Some((line, Definition::new(arguments)));
+                }
+                continue;
+            }
+            let mut note = |message: String| notes.push(file, line, message);
+            match &mut current {
+                Some((_, definition)) => {
+                    if !definition.read(&keyword, arguments, &mut note) && !self.unknown.contains(&keyword) {
+                        note(format!("statement {} is not known and is skipped, here and elsewhere", quote(&keyword)));
+                        self.unknown.insert(keyword);
+                    }
+                }
+                None if skipping => {}
+                None => {
+                    skipping = true;
+                    note(format!("{} before the first newmtl is skipped", quote(&keyword)));
+                }
+            }
+        }
+        self.finish(current)
+    }
+
+    fn finish(&mut self, definition: Option<(u32, Definition)>) -> Result<(), u32> {
+        match definition {
+            Some((line, definition)) => self.push(definition.finish()).map(|_| ()).ok_or(line),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A material while its statements are read.
+struct Definition {
+    name: String,
+    ambient: Option<[f32; 3]>,
+    diffuse: Option<[f32; 3]>,
+    specular: Option<[f32; 3]>,
+    emission: Option<[f32; 3]>,
+    transmission: Option<[f32; 3]>,
+    shininess: Option<f64>,
+    illum: Option<u8>,
+    dissolve: Option<f64>,
+    transparency: Option<f64>,
+    refraction: Option<f64>,
+    map_kd: Option<TextureMap>,
+}
+
+impl Definition {
+    fn new(name: &str) -> Definition {
+        Definition {
+            name: name.into(),
+            ambient: None,
+            diffuse: None,
+            specular: None,
+            emission: None,
+            transmission: None,
+            shininess: None,
+            illum: None,
+            dissolve: None,
+            transparency: None,
+            refraction: None,
+            map_kd: None,
+        }
+    }
+
+    /// Reads a statement (`keyword` in lower case); false if there is none of that name.
+    fn read(&mut self, keyword: &str, arguments: &str, note: &mut impl FnMut(String)) -> bool {
+        match keyword {
+            "ka" => set(&mut self.ambient, color("Ka", arguments), note),
+            "kd" => set(&mut self.diffuse, color("Kd", arguments), note),
+            "ks" => set(&mut self.specular, color("Ks", arguments), note),
+            "ke" => set(&mut self.emission, color("Ke", arguments), note),
+            "tf" => set(&mut self.transmission, color("Tf", arguments), note),
+            "ns" => set(&mut self.shininess, number("Ns", arguments), note),
+            "ni" => set(&mut self.refraction, number("Ni", arguments), note),
+            "illum" => set(&mut self.illum, model(arguments), note),
+            "d" => {
+                let (first, rest) = split_keyword(arguments);
+                let factor = if first.eq_ignore_ascii_case("-halo") { rest } else { arguments };
+                set(&mut self.dissolve, number("d", factor), note);
+                self.compare_dissolve(note);
+            }
+            "tr" => {
+                set(&mut self.transparency, number("Tr", arguments), note);
+                self.compare_dissolve(note);
+            }
+            "map_kd" => {
+                if let Some(map) = texture(arguments, note) {
+                    self.map_kd = Some(map);
+                }
+            }
+            // Other maps, and what physically based dialects add.
+            "bump" | "disp" | "decal" | "refl" | "norm" | "sharpness" | "km" | "kt" | "pr" | "pm" | "ps" | "pc"
+            | "pcr" | "aniso" | "anisor" => {}
+            _ => return keyword.starts_with("map_"),
+        }
+        true
+    }
+
+    fn compare_dissolve(&self, note: &mut impl FnMut(String)) {
+        if let (Some(d), Some(tr)) = (self.dissolve, self.transparency)
+            && (d + tr - 1.0).abs() > 1e-3
+        {
+            note(format!("d {d} and Tr {tr} disagree (Tr means 1 - d); d counts"));
+        }
+    }
+
+    fn finish(self) -> NamedMaterial {
+        let grey = Material::GREY;
+        let diffuse = self.diffuse.unwrap_or(grey.diffuse);
+        let specular = self.specular.unwrap_or(grey.specular);
+        let shininess = self.shininess.map_or(grey.shininess, |ns| libm::round(ns) as u32);
+        let opacity = self.dissolve.or(self.transparency.map(|tr| 1.0 - tr));
+        let material = Material {
+            ambient: self.ambient.unwrap_or(diffuse),
+            diffuse,
+            specular,
+            emission: self.emission.unwrap_or(grey.emission),
+            transmission: self.transmission.unwrap_or(grey.transmission),
+            shininess: shininess.clamp(1, MAX_SHININESS),
+            opacity: opacity.map_or(grey.opacity, |d| d.clamp(0.0, 1.0) as f32),
+            refraction: self.refraction.map_or(grey.refraction, |ni| ni as f32),
+            illum: self.illum.unwrap_or(if specular == [0.0; 3] { 1 } else { 2 }),
+        };
+        NamedMaterial { name: self.name, material, map_kd: self.map_kd }
+    }
+}
+
+/// Takes a field's value, or notes why it keeps the one it has.
+fn set<T>(field: &mut Option<T>, value: Result<T, String>, note: &mut impl FnMut(String)) {
+    match value {
+        Ok(value) => *field = Some(value),
+        Err(message) => note(message),
+    }
+}
+
+/// A number of 0 or more that `f32` can hold.
+fn amount(word: &str) -> Option<f64> {
+    finite(word).filter(|x| *x >= 0.0 && (*x as f32).is_finite())
+}
+
+fn number(keyword: &str, arguments: &str) -> Result<f64, String> {
+    let word = words(arguments).next().unwrap_or("");
+    amount(word)
+        .ok_or_else(|| format!("{keyword} {} is not a number of 0 or more; the statement is skipped", quote(word)))
+}
+
+fn model(arguments: &str) -> Result<u8, String> {
+    let word = words(arguments).next().unwrap_or("");
+    let whole = finite(word).filter(|x| (0.0..=10.0).contains(x) && libm::floor(*x) == *x);
+    whole.map(|x| x as u8).ok_or_else(|| {
+        format!("illum {} is not an illumination model (0 to 10); the statement is skipped", quote(word))
+    })
+}
+
+/// `r`, or `r g b`, decoded to linear light.
+fn color(keyword: &str, arguments: &str) -> Result<[f32; 3], String> {
+    let mut list = words(arguments);
+    let first = list.next().unwrap_or("");
+    if first.eq_ignore_ascii_case("spectral") || first.eq_ignore_ascii_case("xyz") {
+        return Err(format!("{keyword} {first} is not read (only red, green, blue are); the statement is skipped"));
+    }
+    let channels = match (list.next(), list.next()) {
+        (None, _) => [first; 3],
+        (Some(green), Some(blue)) => [first, green, blue],
+        (Some(green), None) => [first, green, ""],
+    };
+    let mut rgb = [0.0; 3];
+    for (linear, word) in rgb.iter_mut().zip(channels) {
+        *linear = amount(word).map(|x| srgb_to_linear(x) as f32).filter(|x| x.is_finite()).ok_or_else(|| {
+            let found = quote(arguments);
+            format!("{keyword} {found}: expected one or three numbers of 0 or more; the statement is skipped")
+        })?;
+    }
+    Ok(rgb)
+}
+
+/// The electro-optical transfer function of sRGB (IEC 61966-2-1), continued above 1.
+fn srgb_to_linear(encoded: f64) -> f64 {
+    if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
+}
+
+/// What follows an option of a texture.
+enum Arguments {
+    /// One number, up to so many more.
+    Numbers(usize),
+    Switch,
+    Word,
+}
+
+fn option(word: &str) -> Option<Arguments> {
+    Some(match word {
+        "-s" | "-o" | "-t" => Arguments::Numbers(3),
+        "-mm" => Arguments::Numbers(2),
+        "-bm" | "-boost" | "-texres" => Arguments::Numbers(1),
+        "-clamp" | "-blendu" | "-blendv" | "-cc" => Arguments::Switch,
+        "-imfchan" | "-type" | "-colorspace" => Arguments::Word,
+        _ => return None,
+    })
+}
+
+fn switch(word: &str) -> Option<bool> {
+    if word.eq_ignore_ascii_case("on") {
+        Some(true)
+    } else if word.eq_ignore_ascii_case("off") {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// The arguments of `map_Kd`: options, a file name that may hold spaces, and options again in some dialects.
+fn texture(arguments: &str, note: &mut impl FnMut(String)) -> Option<TextureMap> {
+    let mut map =
+        TextureMap { path: String::new(), scale: [1.0; 3], offset: [0.0; 3], clamp: false, base: 0.0, gain: 1.0 };
+    let mut unknown = Vec::new();
+    let mut rest = arguments;
+    while !rest.is_empty() {
+        let (word, after) = split_keyword(rest);
+        let lower = word.to_ascii_lowercase();
+        let Some(kind) = option(&lower) else {
+            if map.path.is_empty() && word.starts_with('-') && !after.is_empty() {
+                // How many arguments it has is not known either: all that cannot begin a file name.
+                unknown.push(quote(word));
+                rest = skip_while(after, |word| finite(word).is_some() || switch(word).is_some());
+            } else if map.path.is_empty() {
+                // The name ends at the next known option or at the end of the line.
+                let end = skip_while(rest, |word| option(&word.to_ascii_lowercase()).is_none());
+                map.path = path(&rest[..rest.len() - end.len()]);
+                rest = end;
+            } else {
+                note(format!("map_Kd: {} after the file name is skipped", quote(rest)));
+                break;
+            }
+            continue;
+        };
+        rest = match kind {
+            Arguments::Numbers(most) => read_numbers(&mut map, &lower, most, after, note),
+            Arguments::Switch => {
+                let (value, behind) = split_keyword(after);
+                match switch(value) {
+                    Some(on) => {
+                        map.clamp = if lower == "-clamp" { on } else { map.clamp };
+                        behind
+                    }
+                    None => {
+                        note(format!("map_Kd: option {lower} is followed by {}: expected on or off", quote(value)));
+                        after
+                    }
+                }
+            }
+            Arguments::Word => split_keyword(after).1,
+        };
+    }
+    if map.path.is_empty() {
+        note("map_Kd names no file; the statement is skipped".to_string());
+        return None;
+    }
+    for word in unknown {
+        note(format!("option {word} of map_Kd is not known; texture {} is used without it", quote(&map.path)));
+    }
+    Some(map)
+}
+
+/// Reads up to `most` numbers into the field of `option`, and gives what follows them.
+fn read_numbers<'a>(
+    map: &mut TextureMap,
+    option: &str,
+    most: usize,
+    arguments: &'a str,
+    note: &mut impl FnMut(String),
+) -> &'a str {
+    let mut rest = arguments;
+    let mut values = [0.0f32; 3];
+    let mut count = 0;
+    while count < most {
+        let (word, behind) = split_keyword(rest);
+        let Some(value) = finite(word).filter(|x| (*x as f32).is_finite()) else { break };
+        values[count] = value as f32;
+        count += 1;
+        rest = behind;
+    }
+    if count == 0 {
+        note(format!("map_Kd: option {option} has no number; it is skipped"));
+        return rest;
+    }
+    match option {
+        "-s" => map.scale[..count].copy_from_slice(&values[..count]),
+        "-o" => map.offset[..count].copy_from_slice(&values[..count]),
+        "-mm" => {
+            map.base = values[0];
+            if count > 1 {
+                map.gain = values[1];
+            }
+        }
+        _ => {}
+    }
+    rest
+}
+
+/// The words that follow those which `skip` takes.
+fn skip_while(text: &str, skip: impl Fn(&str) -> bool) -> &str {
+    let mut rest = text;
+    while !rest.is_empty() {
+        let (word, after) = split_keyword(rest);
+        if !skip(word) {
+            break;
+        }
+        rest = after;
+    }
+    rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_srgb_curve_has_its_known_values() {
+        // From the standard's own definition: 0, the knee, mid grey 118/255 -> 0.18, white.
+        let close = |x: f64, y: f64| (srgb_to_linear(x) - y).abs() < 1e-3;
+        assert!(srgb_to_linear(0.0) == 0.0 && srgb_to_linear(1.0) == 1.0);
+        assert!(close(0.04045, 0.0031308) && close(118.0 / 255.0, 0.1812) && close(0.5, 0.2140) && close(2.0, 4.9539));
+    }
+}

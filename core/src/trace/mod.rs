@@ -1,6 +1,7 @@
 //! Rays through a DAG: the first filled voxel along the real line that six f64 describe.
 
-mod time;
+mod exact;
+mod ray;
 mod walk;
 
 use crate::dag::Dag;

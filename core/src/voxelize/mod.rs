@@ -182,6 +182,12 @@ impl<'m> Voxelizer<'m> {
         &self.lists[start as usize..self.subtrees[subtree].1 as usize]
     }
 
+    /// Bytes that [`Voxelizer::voxelize`] takes for the triangles of a subtree.
+    pub fn subtree_bytes(&self, subtree: usize) -> u64 {
+        let crosshair = if self.cover == Cover::Thin { size_of::<prism::Crosshair>() } else { 0 };
+        (self.list(subtree).len() * (size_of::<Prism>() + crosshair + 8)) as u64
+    }
+
     /// The grid that the mesh was snapped to.
     pub fn grid(&self) -> &Grid {
         &self.grid

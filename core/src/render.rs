@@ -1,0 +1,259 @@
+//! Rows of pixels: camera rays traced, shaded, averaged and encoded.
+//!
+//! In: a view of a scene, settings, a range of rows and room for their pixels. Out: RGBA8 pixels and how many rays they
+//! took. A pixel depends on nothing but the scene, the settings and its place: rows can be rendered in any order, on any
+//! number of threads, and give the same bits. Nothing is allocated.
+//!
+//! Rays run in grid coordinates, surfaces are lit in the world's: the map between them keeps directions. Materials and
+//! normals are looked up at hits only.
+
+use core::ops::Range;
+
+use crate::camera::{Camera, CameraError};
+use crate::color::{self, Mean};
+use crate::dag::Dag;
+use crate::grid::Grid;
+use crate::material::Material;
+use crate::materials::Materials;
+use crate::math;
+use crate::normal::{self, NormalKind};
+use crate::shade::{self, Light, Surface};
+use crate::trace::{Arithmetic, Hit, Query};
+
+/// Largest width and height of a picture.
+pub const MAX_SIDE: u32 = 65_536;
+
+/// Samples per pixel, at fixed places that every float holds exactly.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Samples {
+    /// The centre.
+    #[default]
+    One,
+    /// A rotated grid: four rows, four columns.
+    Four,
+    /// [`Samples::Four`] and the centre.
+    Five,
+    /// Centres of 4 x 4 cells.
+    Sixteen,
+    /// Centres of 8 x 8 cells.
+    SixtyFour,
+}
+
+impl Samples {
+    /// The pattern of 1, 4, 5, 16 or 64 samples; `None` for other numbers.
+    pub const fn new(count: u32) -> Option<Samples> {
+        match count {
+            1 => Some(Samples::One),
+            4 => Some(Samples::Four),
+            5 => Some(Samples::Five),
+            16 => Some(Samples::Sixteen),
+            64 => Some(Samples::SixtyFour),
+            _ => None,
+        }
+    }
+
+    /// How many there are.
+    pub const fn count(self) -> u32 {
+        match self {
+            Samples::One => 1,
+            Samples::Four => 4,
+            Samples::Five => 5,
+            Samples::Sixteen => 16,
+            Samples::SixtyFour => 64,
+        }
+    }
+
+    /// Where sample `i` (below [`Samples::count`]) lies in its pixel: x and y, above 0 and below 1.
+    pub fn position(self, i: u32) -> [f64; 2] {
+        const ROTATED: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
+        let cells = |side: u32| [i % side, i / side].map(|k| (f64::from(k) + 0.5) / f64::from(side));
+        match self {
+            Samples::One => [0.5; 2],
+            Samples::Four | Samples::Five => ROTATED.get(i as usize).copied().unwrap_or([0.5; 2]),
+            Samples::Sixteen => cells(4),
+            Samples::SixtyFour => cells(8),
+        }
+    }
+}
+
+/// How a picture is made.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Settings {
+    /// Pixels per row, 1 to 65 536.
+    pub width: u32,
+    /// Rows, 1 to 65 536.
+    pub height: u32,
+    /// Samples per pixel.
+    pub samples: Samples,
+    /// Where normals come from.
+    pub normals: NormalKind,
+    /// How rays are traced.
+    pub arithmetic: Arithmetic,
+    /// Linear colour of the light that comes from everywhere.
+    pub ambient: [f32; 3],
+    /// Linear colour where there is nothing.
+    pub background: [f32; 3],
+}
+
+impl Default for Settings {
+    /// 1024 x 1024, one sample, exact rays, [`NormalKind::Plane2`], faint ambient light and a light grey background.
+    fn default() -> Settings {
+        Settings {
+            width: 1024,
+            height: 1024,
+            samples: Samples::One,
+            normals: NormalKind::Plane2,
+            arithmetic: Arithmetic::Exact,
+            ambient: [0.2; 3],
+            // sRGB (222, 226, 230).
+            background: [0.730_46, 0.760_525, 0.791_298],
+        }
+    }
+}
+
+/// What is looked at, and from where.
+#[derive(Clone, Copy, Debug)]
+pub struct View<'a, M> {
+    /// The voxels.
+    pub dag: Dag<'a>,
+    /// Which material each voxel has.
+    pub materials: M,
+    /// The materials by id; an id beyond them is drawn in [`Material::GREY`].
+    pub palette: &'a [Material],
+    /// Where the voxels lie in the world.
+    pub grid: Grid,
+    /// The camera, in the world.
+    pub camera: Camera,
+    /// The lights, in the world.
+    pub lights: &'a [Light],
+}
+
+/// How many rays were traced, and what they met.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Counters {
+    /// Rays from the camera.
+    pub primary: u64,
+    /// Rays towards lights.
+    pub shadow: u64,
+    /// Rays from surfaces elsewhere.
+    pub secondary: u64,
+    /// Primary rays that met a voxel.
+    pub hits: u64,
+}
+
+impl core::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Counters) {
+        self.primary += other.primary;
+        self.shadow += other.shadow;
+        self.secondary += other.secondary;
+        self.hits += other.hits;
+    }
+}
+
+/// Why rows cannot be rendered.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum RenderError {
+    /// Width or height is not 1 to 65 536.
+    Size {
+        /// Pixels per row.
+        width: u32,
+        /// Rows.
+        height: u32,
+    },
+    /// The rows end after the picture, or before they start.
+    Rows {
+        /// First row asked for.
+        start: u32,
+        /// The row after the last one.
+        end: u32,
+        /// Rows of the picture.
+        height: u32,
+    },
+    /// The room for pixels is not that of the rows.
+    Output {
+        /// Pixels in the rows.
+        expected: u64,
+        /// Pixels that `out` holds.
+        found: u64,
+    },
+    /// The camera sees nothing.
+    Camera(CameraError),
+}
+
+impl core::fmt::Display for RenderError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            RenderError::Size { width, height } => {
+                write!(f, "a picture of {width} x {height} is out of range: expected 1 to {MAX_SIDE} pixels a side")
+            }
+            RenderError::Rows { start, end, height } => {
+                write!(f, "rows {start} to {end} do not lie in a picture of {height} rows")
+            }
+            RenderError::Output { expected, found } => {
+                write!(f, "the output has room for {found} pixels: expected {expected}, rows times width")
+            }
+            RenderError::Camera(error) => error.fmt(f),
+        }
+    }
+}
+
+impl core::error::Error for RenderError {}
+
+/// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
+pub fn render_rows<M: Materials>(
+    view: &View<'_, M>,
+    settings: &Settings,
+    rows: Range<u32>,
+    out: &mut [u32],
+) -> Result<Counters, RenderError> {
+    let &Settings { width, height, .. } = settings;
+    if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
+        return Err(RenderError::Size { width, height });
+    }
+    if rows.start > rows.end || rows.end > height {
+        return Err(RenderError::Rows { start: rows.start, end: rows.end, height });
+    }
+    let expected = u64::from(rows.end - rows.start) * u64::from(width);
+    if out.len() as u64 != expected {
+        return Err(RenderError::Output { expected, found: out.len() as u64 });
+    }
+    let rays = view.camera.rays(width, height).map_err(RenderError::Camera)?;
+    let eye = view.grid.to_grid(view.camera.eye);
+    let background = settings.background.map(color::quantize);
+
+    let mut counters = Counters::default();
+    for (y, row) in rows.zip(out.chunks_exact_mut(width as usize)) {
+        for (x, pixel) in row.iter_mut().enumerate() {
+            let mut mean = Mean::default();
+            for i in 0..settings.samples.count() {
+                let [dx, dy] = settings.samples.position(i);
+                let query = Query::new(eye, rays.direction(x as f64 + dx, f64::from(y) + dy));
+                counters.primary += 1;
+                mean.add(match view.dag.trace_with(settings.arithmetic, &query) {
+                    Some(hit) => {
+                        counters.hits += 1;
+                        surface_color(view, settings, &query, &hit).map(color::quantize)
+                    }
+                    None => background,
+                });
+            }
+            let [red, green, blue] = mean.srgb8();
+            *pixel = u32::from_le_bytes([red, green, blue, 255]);
+        }
+    }
+    Ok(counters)
+}
+
+/// What the surface at a hit sends back along the ray: linear red, green, blue.
+fn surface_color<M: Materials>(view: &View<'_, M>, settings: &Settings, query: &Query, hit: &Hit) -> [f32; 3] {
+    let id = view.materials.id(view.dag, hit.voxel);
+    let material = view.palette.get(usize::from(id)).unwrap_or(&Material::GREY);
+    let normal = normal::normal(view.dag, view.materials, hit, query.dir, settings.normals);
+    let back = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]);
+    let surface = Surface {
+        point: view.grid.to_world(math::add_scaled(query.origin, query.dir, hit.t)),
+        normal: normal.direction,
+        view: back.map(|x| x as f32),
+    };
+    shade::shade(material, &surface, settings.ambient, view.lights)
+}

@@ -1,0 +1,316 @@
+//! The whole way from a mesh to a DAG and its materials, in parts that can run apart.
+//!
+//! In: a mesh, a grid and a choice. Out: the DAG, and per voxel its owner's material. [`Build::part`] voxelises and reduces
+//! one subtree, on any thread; [`Join`] takes the parts in order. The bytes do not depend on how the parts were spread.
+//! Between the two, materials are kept per brick, one word where its triangles agree, so no list of all voxels exists.
+//! A limit on memory is checked before the memory is taken.
+//!
+//! ```
+//! # use voxdag::{Grid, Mesh, Morton, scene::{Build, Options}};
+//! let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+//! let mesh = Mesh { positions: &positions, triangles: &[[0, 1, 2]], ..Mesh::default() };
+//! let grid = Grid::fit(&mesh.validate().unwrap(), 64).unwrap();
+//! let built = Build::new(&mesh, &grid, &Options::default())?.run()?;
+//! assert!(built.dag.dag().contains(Morton::encode([20, 20, 0]).unwrap()));
+//! # Ok::<(), voxdag::scene::SceneError>(())
+//! ```
+
+use alloc::vec::Vec;
+
+use crate::build::{BuildError, DagBuf, DagBuilder};
+use crate::dag::Dag;
+use crate::grid::Grid;
+use crate::material::MaterialId;
+use crate::mesh::Mesh;
+use crate::morton::Morton;
+use crate::table::{Entry, InsertError, Table, TableBuf};
+use crate::voxelize::{Cover, Marked, VoxelizeError, Voxelizer};
+
+/// How materials are kept beside the DAG.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum MaterialMode {
+    /// Not at all: the scene has one material.
+    None,
+    /// The thesis's hash table without normals (its part 2).
+    #[default]
+    Table,
+    /// The thesis's hash table with the owner's normal (its part 1).
+    TableNormals,
+}
+
+/// What to build.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Options {
+    /// Which voxels a triangle marks.
+    pub cover: Cover,
+    /// How materials are kept.
+    pub materials: MaterialMode,
+    /// Most bytes that building may take at one time, beside the mesh; `None` for no limit.
+    pub memory_limit: Option<u64>,
+}
+
+/// Why a scene cannot be built.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum SceneError {
+    /// The mesh or the grid.
+    Voxelize(VoxelizeError),
+    /// The DAG.
+    Reduce(BuildError),
+    /// The material table.
+    Table(InsertError),
+    /// The memory limit would be passed.
+    Limit {
+        /// Bytes needed at least.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+}
+
+impl core::fmt::Display for SceneError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            SceneError::Voxelize(e) => e.fmt(f),
+            SceneError::Reduce(e) => e.fmt(f),
+            SceneError::Table(e) => e.fmt(f),
+            SceneError::Limit { needed, limit } => {
+                write!(f, "building needs about {needed} bytes of memory, the limit is {limit}")
+            }
+        }
+    }
+}
+
+impl core::error::Error for SceneError {}
+
+impl From<VoxelizeError> for SceneError {
+    fn from(e: VoxelizeError) -> Self {
+        SceneError::Voxelize(e)
+    }
+}
+
+impl From<BuildError> for SceneError {
+    fn from(e: BuildError) -> Self {
+        SceneError::Reduce(e)
+    }
+}
+
+impl From<InsertError> for SceneError {
+    fn from(e: InsertError) -> Self {
+        SceneError::Table(e)
+    }
+}
+
+/// A mesh sorted into parts, ready to be built.
+pub struct Build<'m> {
+    voxelizer: Voxelizer<'m>,
+    options: Options,
+}
+
+/// A built subtree and the materials of its voxels.
+pub struct Part {
+    at: Morton,
+    dag: DagBuf,
+    owners: Owners,
+}
+
+/// What [`Build::run`] gives.
+pub struct Built {
+    /// The geometry.
+    pub dag: DagBuf,
+    /// The material map, if one was asked for.
+    pub table: Option<TableBuf>,
+}
+
+/// Refuses `needed` bytes if they are over the limit.
+fn within(limit: Option<u64>, needed: u64) -> Result<(), SceneError> {
+    match limit {
+        Some(limit) if needed > limit => Err(SceneError::Limit { needed, limit }),
+        _ => Ok(()),
+    }
+}
+
+impl<'m> Build<'m> {
+    /// Checks mesh, grid and limit, snaps the vertices and sorts the triangles into parts. O(triangles).
+    pub fn new(mesh: &Mesh<'m>, grid: &Grid, options: &Options) -> Result<Build<'m>, SceneError> {
+        // Snapped vertices, and triangles in one or two parts each.
+        within(options.memory_limit, 12 * mesh.positions.len() as u64 + 24 * mesh.triangles.len() as u64)?;
+        let build = Build { voxelizer: Voxelizer::new(mesh, grid, options.cover)?, options: *options };
+        // The estimate of voxels can be too high by as much as triangles share voxels; half of it is safe to refuse by.
+        within(options.memory_limit, build.table_bytes(build.voxelizer.estimate() / 2))?;
+        Ok(build)
+    }
+
+    /// Bytes of the material map of so many voxels.
+    fn table_bytes(&self, voxels: u64) -> u64 {
+        let words = |normals| Table::words_for(Table::slots_for(voxels), normals).saturating_mul(4);
+        match self.options.materials {
+            MaterialMode::None => 0,
+            MaterialMode::Table => words(false),
+            MaterialMode::TableNormals => words(true),
+        }
+    }
+
+    /// Number of parts. They can be built in any order and on any thread.
+    pub fn parts(&self) -> usize {
+        self.voxelizer.subtrees()
+    }
+
+    /// Voxelises and reduces one part.
+    ///
+    /// # Panics
+    /// If `part` is not below [`Build::parts`].
+    pub fn part(&self, part: usize) -> Result<Part, SceneError> {
+        within(self.options.memory_limit, self.voxelizer.subtree_bytes(part))?;
+        let mut builder = DagBuilder::new(self.voxelizer.subtree_depth())?;
+        self.limit_words(&mut builder);
+        let mut owners = Owners::default();
+        self.voxelizer.voxelize::<SceneError>(part, |brick| {
+            builder.push(brick.code, brick.mask)?;
+            match self.options.materials {
+                MaterialMode::None => Ok(()),
+                MaterialMode::Table => owners.push(&self.voxelizer, part, brick, false),
+                MaterialMode::TableNormals => owners.push(&self.voxelizer, part, brick, true),
+            }
+        })?;
+        Ok(Part { at: self.voxelizer.subtree_code(part), dag: builder.finish()?, owners })
+    }
+
+    fn limit_words(&self, builder: &mut DagBuilder) {
+        if let Some(limit) = self.options.memory_limit {
+            builder.limit(u32::try_from(limit / 4).unwrap_or(u32::MAX));
+        }
+    }
+
+    /// Starts to put parts together.
+    pub fn join(&self) -> Result<Join<'_, 'm>, SceneError> {
+        let mut builder = DagBuilder::new(self.voxelizer.grid().depth())?;
+        self.limit_words(&mut builder);
+        Ok(Join { build: self, builder, owners: Owners::default() })
+    }
+
+    /// Builds all parts one after the other on this thread.
+    pub fn run(&self) -> Result<Built, SceneError> {
+        let mut join = self.join()?;
+        for part in 0..self.parts() {
+            join.add(self.part(part)?)?;
+        }
+        let (dag, owners) = join.finish()?;
+        let table = owners.into_table(&dag.dag())?;
+        Ok(Built { dag, table })
+    }
+}
+
+/// Puts parts together.
+pub struct Join<'b, 'm> {
+    build: &'b Build<'m>,
+    builder: DagBuilder,
+    owners: Owners,
+}
+
+impl<'b, 'm> Join<'b, 'm> {
+    /// Takes the next part; parts come in the order of their numbers.
+    pub fn add(&mut self, part: Part) -> Result<(), SceneError> {
+        self.builder.append(part.at, &part.dag.dag())?;
+        self.owners.append(part.owners)
+    }
+
+    /// The finished DAG, and what its material map is made from.
+    pub fn finish(self) -> Result<(DagBuf, PendingTable<'b, 'm>), SceneError> {
+        Ok((self.builder.finish()?, PendingTable { build: self.build, owners: self.owners }))
+    }
+}
+
+/// The owners of all voxels, on their way into a material map.
+pub struct PendingTable<'b, 'm> {
+    build: &'b Build<'m>,
+    owners: Owners,
+}
+
+impl PendingTable<'_, '_> {
+    /// Fills the material map of the voxels of `dag`; `None` if the scene has one material only.
+    pub fn into_table(self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
+        let normals = match self.build.options.materials {
+            MaterialMode::None => return Ok(None),
+            MaterialMode::Table => false,
+            MaterialMode::TableNormals => true,
+        };
+        let voxels = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
+        within(self.build.options.memory_limit, self.build.table_bytes(voxels) + 4 * dag.words().len() as u64)?;
+        let mut table = TableBuf::new(voxels, normals)?;
+        table.insert_all(self.owners.entries(dag))?;
+        Ok(Some(table))
+    }
+}
+
+/// The owners of voxels in Morton order, brick by brick.
+#[derive(Default)]
+struct Owners {
+    /// One word per brick: the material of all its voxels, or [`MIXED`].
+    bricks: Vec<u32>,
+    /// Of mixed bricks the material of each voxel.
+    mixed: Vec<MaterialId>,
+    /// Where normals are kept, one per voxel of any brick; zero where the owner has no area.
+    normals: Vec<[f32; 3]>,
+}
+
+const MIXED: u32 = u32::MAX;
+
+/// Appends one list to another, or says how many bytes were refused.
+fn extend<T: Copy>(list: &mut Vec<T>, more: &[T]) -> Result<(), SceneError> {
+    list.try_reserve(more.len())
+        .map_err(|_| SceneError::Voxelize(VoxelizeError::Memory { bytes: size_of_val(more) as u64 }))?;
+    list.extend_from_slice(more);
+    Ok(())
+}
+
+impl Owners {
+    fn push(
+        &mut self,
+        voxelizer: &Voxelizer<'_>,
+        part: usize,
+        brick: &Marked<'_>,
+        normals: bool,
+    ) -> Result<(), SceneError> {
+        let uniform = voxelizer.uniform_material(brick);
+        extend(&mut self.bricks, &[uniform.map_or(MIXED, u32::from)])?;
+        if normals || uniform.is_none() {
+            let (mut ids, mut directions, mut count) = ([0; 64], [[0.0; 3]; 64], 0);
+            voxelizer.owners(part, brick, |_, material, normal| {
+                ids[count] = material;
+                let unit = crate::math::normalize(normal.map(|x| x as f64)).unwrap_or([0.0; 3]);
+                directions[count] = unit.map(|x| x as f32);
+                count += 1;
+            });
+            if uniform.is_none() {
+                extend(&mut self.mixed, &ids[..count])?;
+            }
+            if normals {
+                extend(&mut self.normals, &directions[..count])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn append(&mut self, other: Owners) -> Result<(), SceneError> {
+        extend(&mut self.bricks, &other.bricks)?;
+        extend(&mut self.mixed, &other.mixed)?;
+        extend(&mut self.normals, &other.normals)
+    }
+
+    /// Every voxel of `dag`, in Morton order, with its entry.
+    fn entries(&self, dag: &Dag<'_>) -> impl Iterator<Item = (Morton, Entry)> {
+        let (mut mixed, mut normals) = (self.mixed.iter(), self.normals.iter());
+        let mut bricks = dag.bricks().zip(&self.bricks);
+        let (mut code, mut left, mut material) = (0, 0u64, 0);
+        core::iter::from_fn(move || {
+            if left == 0 {
+                let ((next, mask), owner) = bricks.next()?;
+                (code, left, material) = (next.0, mask, *owner);
+            }
+            let bit = left.trailing_zeros();
+            left &= left - 1;
+            let id = if material == MIXED { *mixed.next()? } else { material as MaterialId };
+            Some((Morton(code | u64::from(bit)), Entry { material: id, normal: normals.next().copied() }))
+        })
+    }
+}

@@ -1,0 +1,258 @@
+//! A ray, and the times at which it crosses planes: in f64 with a bound on the error, and exactly.
+//!
+//! A crossing's time is the real number `(k - o) / d` for the plane k and one axis of the ray's origin and direction. Its
+//! f64 value carries three roundings, so it is off by at most 3.01 units of 2^-53 of itself; two values that are further
+//! apart than [`Ray::time_slack`] are in the right order. A place `o + d t` is off by at most 5 such units of its terms;
+//! if it is further than [`Ray::place_slack`] from every plane, its voxel is right. Whatever is closer is decided by the
+//! sign of `(k - o) d' - (k' - o') d`, summed without rounding ([`super::exact`]). No epsilon is absolute: near the ends
+//! of the f64 range, where products may under- or overflow, the slacks are infinite and everything is decided exactly.
+
+use core::cmp::Ordering;
+
+use super::Query;
+use super::exact::{self, Sum};
+
+/// The axis of a plain time: the crossing of `plane = t` with origin 0 and direction 1.
+const TIME: usize = 3;
+
+/// What a query brings along, worked out once. Axis 3 is time itself.
+pub(super) struct Ray {
+    origin: [f64; 4],
+    dir: [f64; 4],
+    /// 1 / dir; infinite where the ray does not move, so that the plane ahead is never reached.
+    inverse: [f64; 4],
+    /// All ones where the direction is positive (or 0), else 0.
+    pub up: [i32; 4],
+    t_max: f64,
+    /// Times below it are certainly below `t_max`.
+    pub stop: f64,
+    /// Times that are further apart are in the order of their f64 values.
+    pub time_slack: f64,
+    /// Places that are further from the middle of a cell than this half of its width are too close to a plane to tell.
+    half: [f64; 3],
+}
+
+/// A time at which the ray crosses a plane.
+#[derive(Clone, Copy)]
+pub(super) struct Crossing {
+    pub axis: usize,
+    pub plane: f64,
+    /// The time's f64 value.
+    pub t: f64,
+}
+
+impl Crossing {
+    /// A plain time as a crossing.
+    pub(super) fn at_time(t: f64) -> Crossing {
+        Crossing { axis: TIME, plane: t, t }
+    }
+}
+
+impl Ray {
+    /// `None` for what is no ray: NaN or infinite numbers, no direction, no time between `t_min` and `t_max`, or a ray
+    /// that stands still beside the cube of `size` voxels.
+    #[inline(always)]
+    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Option<Ray> {
+        let Query { origin: o, dir: d, t_min, t_max, .. } = *query;
+        let finite = o.iter().chain(&d).all(|x| x.is_finite());
+        // The comparison also refuses NaN.
+        if !finite || d == [0.0; 3] || !(t_min < t_max) {
+            return None;
+        }
+        if (0..3).any(|i| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size))) {
+            return None;
+        }
+        let mut ray = Ray {
+            origin: [o[0], o[1], o[2], 0.0],
+            dir: [d[0], d[1], d[2], 1.0],
+            // Of both zeros the positive one: up is where the plane ahead lies.
+            inverse: [1.0 / (d[0] + 0.0), 1.0 / (d[1] + 0.0), 1.0 / (d[2] + 0.0), 1.0],
+            up: [d[0], d[1], d[2], 1.0].map(|d| if d < 0.0 { 0 } else { -1 }),
+            t_max,
+            stop: f64::NEG_INFINITY,
+            time_slack: f64::INFINITY,
+            half: [f64::NEG_INFINITY; 3],
+        };
+        ray.set_slack(t_min, size);
+        for i in 0..3 {
+            if d[i] == 0.0 {
+                ray.half[i] = 1.0;
+            }
+        }
+        if !EXACT {
+            ray.time_slack = 0.0;
+            ray.half = [1.0; 3];
+        }
+        ray.stop = t_max - ray.time_slack;
+        Some(ray)
+    }
+
+    /// Bounds the errors of the f64 values; leaves the slacks infinite where numbers are so small or so large that
+    /// products may under- or overflow.
+    #[inline(always)]
+    fn set_slack(&mut self, t_min: f64, size: i32) {
+        const TINY: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
+        const HUGE: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
+        const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
+        let tame = |x: f64| x.abs() >= TINY && x.abs() <= HUGE;
+        // All times that matter lie between the cube's near and far planes, or are t_min.
+        let mut far = if t_min == f64::NEG_INFINITY { 0.0 } else { t_min.abs() };
+        let (mut near, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        for i in 0..3 {
+            if self.moving(i) {
+                let (a, b) = (self.t(i, 0), self.t(i, size));
+                near = near.max(a.min(b));
+                leave = leave.min(a.max(b));
+            }
+        }
+        far = far.max(near.abs()).max(leave.abs());
+        let numbers = self.origin.iter().chain(&self.dir);
+        if !(tame(far) && numbers.into_iter().all(|x| *x == 0.0 || tame(*x))) {
+            return;
+        }
+        self.time_slack = far * UNIT;
+        for i in 0..3 {
+            let terms = self.origin[i].abs() + self.dir[i].abs() * far + f64::from(size);
+            self.half[i] = 0.5 - terms * UNIT;
+        }
+    }
+
+    /// Whether the ray moves along an axis.
+    #[inline(always)]
+    pub(super) fn moving(&self, axis: usize) -> bool {
+        self.dir[axis] != 0.0
+    }
+
+    /// How fast the ray moves along an axis.
+    pub(super) fn steepness(&self, axis: usize) -> f64 {
+        self.dir[axis].abs()
+    }
+
+    /// The f64 value of a crossing's time.
+    #[inline(always)]
+    pub(super) fn t(&self, axis: usize, plane: i32) -> f64 {
+        (f64::from(plane) - self.origin[axis]) * self.inverse[axis]
+    }
+
+    /// The crossing of a plane of an axis.
+    #[inline]
+    pub(super) fn crossing(&self, axis: usize, plane: i32) -> Crossing {
+        Crossing { axis, plane: f64::from(plane), t: self.t(axis, plane) }
+    }
+
+    /// The voxel's coordinates at time `t` by f64 alone, and a bit for each axis on which they are too close to a plane.
+    #[inline(always)]
+    pub(super) fn places(&self, t: f64) -> ([i32; 3], u32) {
+        // Adding this number rounds to an integer and leaves it in the low bits.
+        const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
+        let (mut places, mut doubt) = ([0; 3], 0);
+        for i in 0..3 {
+            let middle = self.origin[i] + self.dir[i] * t - 0.5;
+            let rounded = middle + ROUND;
+            places[i] = rounded.to_bits() as i32;
+            doubt |= u32::from(!((middle - (rounded - ROUND)).abs() < self.half[i])) << i;
+        }
+        (places, doubt)
+    }
+
+    /// First and last cell on an axis, within the cube of `side` around cell `p`, that the ray can still reach.
+    #[inline(always)]
+    pub(super) fn ahead(&self, axis: usize, p: i32, side: i32) -> (i32, i32) {
+        (p & (-side | self.up[axis]), p | ((side - 1) & self.up[axis]))
+    }
+
+    /// The order in which two crossings enter their voxels; equal ones enter together.
+    #[inline]
+    pub(super) fn order<const EXACT: bool>(&self, a: &Crossing, b: &Crossing) -> Ordering {
+        let apart = a.t - b.t;
+        if apart.abs() > self.time_slack {
+            return if apart < 0.0 { Ordering::Less } else { Ordering::Greater };
+        }
+        let same_time = if EXACT { self.order_exact(a, b) } else { Ordering::Equal };
+        // A step in negative direction comes just after its time.
+        same_time.then(self.up[a.axis].cmp(&self.up[b.axis]))
+    }
+
+    /// The exact order of two finite times.
+    #[cold]
+    #[inline(never)]
+    fn order_exact(&self, a: &Crossing, b: &Crossing) -> Ordering {
+        let (da, db) = (self.dir[a.axis], self.dir[b.axis]);
+        let mut sum = Sum::ZERO;
+        sum.add(a.plane, db);
+        sum.add(-self.origin[a.axis], db);
+        sum.add(-b.plane, da);
+        sum.add(self.origin[b.axis], da);
+        let order = sum.sign();
+        if (da < 0.0) != (db < 0.0) { order.reverse() } else { order }
+    }
+
+    /// The cell on an axis within `low..=high` that the ray is in once `now` has been crossed.
+    pub(super) fn cell<const EXACT: bool>(&self, axis: usize, now: &Crossing, low: i32, high: i32) -> i32 {
+        let (places, doubt) = self.places(now.t);
+        if doubt >> axis & 1 == 0 {
+            return places[axis].max(low).min(high);
+        }
+        // Bisect: ask of planes whether they have been crossed.
+        let (mut low, mut high) = (low, high);
+        while low < high {
+            let plane = low + (high - low + 1) / 2;
+            let crossed = self.order::<EXACT>(&self.crossing(axis, plane), now).is_le();
+            if crossed == (self.up[axis] != 0) {
+                low = plane;
+            } else {
+                high = plane - 1;
+            }
+        }
+        low
+    }
+
+    /// Leaves the cube of `side` around `p` where f64 values are too close to tell which of its `planes` comes first, or
+    /// where the ray is by then. `None` if that is at `t_max` or later.
+    #[cold]
+    #[inline(never)]
+    pub(super) fn step_close<const EXACT: bool>(
+        &self,
+        mut p: [i32; 3],
+        side: i32,
+        planes: &[i32; 3],
+    ) -> Option<([i32; 3], Crossing)> {
+        let mut first: Option<Crossing> = None;
+        let mut together = [false; 3];
+        for i in (0..3).filter(|i| self.moving(*i)) {
+            let crossing = self.crossing(i, planes[i]);
+            match first.map(|f| self.order::<EXACT>(&crossing, &f)) {
+                Some(Ordering::Greater) => {}
+                Some(Ordering::Equal) => together[i] = true,
+                None | Some(Ordering::Less) => {
+                    first = Some(crossing);
+                    together = [false; 3];
+                    together[i] = true;
+                }
+            }
+        }
+        let now = first?;
+        if self.reached_end::<EXACT>(&now) {
+            return None;
+        }
+        for i in 0..3 {
+            if together[i] {
+                p[i] = planes[i] + !self.up[i];
+            } else if self.moving(i) {
+                let (low, high) = self.ahead(i, p[i], side);
+                p[i] = self.cell::<EXACT>(i, &now, low, high);
+            }
+        }
+        Some((p, now))
+    }
+
+    /// Whether a crossing comes at or after `t_max`.
+    pub(super) fn reached_end<const EXACT: bool>(&self, now: &Crossing) -> bool {
+        self.t_max != f64::INFINITY && self.order::<EXACT>(now, &Crossing::at_time(self.t_max)).is_ge()
+    }
+
+    /// The time of a crossing, to within one unit in the last place.
+    pub(super) fn time(&self, crossing: &Crossing) -> f64 {
+        exact::quotient(crossing.plane, self.origin[crossing.axis], self.dir[crossing.axis])
+    }
+}

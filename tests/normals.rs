@@ -1,0 +1,515 @@
+//! Laws of normals: one test per row N1 to N14 of the hard cases, accuracy on known surfaces, and an independent method
+//! (sums in f64 voxel by voxel, eigenvectors by Jacobi rotations).
+
+// Each test binary uses its part of the shared helpers.
+#[allow(dead_code)]
+mod support;
+
+use std::collections::HashSet;
+use support::{Random, dag_words, degrees};
+use voxdag::materials::{Materials, Single};
+use voxdag::math::{dot, normalize};
+use voxdag::normal::{Confidence, Normal, NormalKind, normal};
+use voxdag::trace::{Face, Hit};
+use voxdag::{Dag, Morton};
+
+type Voxel = [i32; 3];
+
+const PLANES: [(NormalKind, i32); 3] = [(NormalKind::Plane1, 1), (NormalKind::Plane2, 2), (NormalKind::Plane3, 3)];
+const FACES: [Face; 6] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ];
+
+/// Voxels within a cube of depth 5, coordinates relative to [16, 16, 16].
+struct Set(Vec<u32>);
+
+impl Set {
+    fn new(voxels: impl IntoIterator<Item = Voxel>) -> Set {
+        Set::at([16; 3], 5, voxels)
+    }
+
+    fn at(center: Voxel, depth: u8, voxels: impl IntoIterator<Item = Voxel>) -> Set {
+        Set(dag_words(depth, voxels.into_iter().map(|v| moved(v, center).map(|c| c as u32))))
+    }
+
+    fn dag(&self) -> Dag<'_> {
+        Dag::new(&self.0).unwrap()
+    }
+
+    fn normal(&self, voxel: Voxel, kind: NormalKind, dir: [f64; 3]) -> Normal {
+        at(self.dag(), moved(voxel, [16; 3]), kind, dir)
+    }
+}
+
+fn moved(v: Voxel, by: Voxel) -> Voxel {
+    [v[0] + by[0], v[1] + by[1], v[2] + by[2]]
+}
+
+/// The normal at a voxel, seen along `dir` through the face that looks at the viewer most.
+fn at(dag: Dag<'_>, voxel: Voxel, kind: NormalKind, dir: [f64; 3]) -> Normal {
+    through(dag, voxel, kind, dir, face_against(dir))
+}
+
+fn through(dag: Dag<'_>, voxel: Voxel, kind: NormalKind, dir: [f64; 3], face: Face) -> Normal {
+    let voxel = Morton::encode(voxel.map(|c| c as u32)).unwrap();
+    let n = normal(dag, Single(0), &Hit { voxel, from: None, t: 0.0, level: 0, face }, dir, kind);
+    assert_unit(n.direction);
+    n
+}
+
+fn face_against(dir: [f64; 3]) -> Face {
+    *FACES.iter().min_by(|a, b| facing(**a, dir).total_cmp(&facing(**b, dir))).unwrap()
+}
+
+fn facing(face: Face, dir: [f64; 3]) -> f64 {
+    dot(face.normal().map(f64::from), dir)
+}
+
+fn assert_unit(n: [f32; 3]) {
+    let length2 = n.iter().map(|&x| f64::from(x) * f64::from(x)).sum::<f64>();
+    assert!((length2 - 1.0).abs() < 1e-6, "{n:?} is no unit vector");
+}
+
+fn boxed(min: Voxel, max: Voxel) -> impl Iterator<Item = Voxel> {
+    (min[2]..=max[2]).flat_map(move |z| (min[1]..=max[1]).flat_map(move |y| (min[0]..=max[0]).map(move |x| [x, y, z])))
+}
+
+fn is_plane(n: &Normal) -> bool {
+    matches!(n.confidence, Confidence::Plane { .. })
+}
+
+fn assert_near(n: &Normal, expected: [f64; 3], tolerance: f64) {
+    let angle = degrees(n.direction.map(f64::from), expected);
+    assert!(angle <= tolerance, "{n:?}: {angle} degrees from {expected:?}");
+}
+
+const BISECTOR: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+#[test]
+fn n01_isolated_voxel() {
+    let set = Set::new([[0, 0, 0]]);
+    for face in FACES {
+        let dir = face.normal().map(|x| -f64::from(x) + 0.25);
+        for (kind, _) in PLANES {
+            let n = through(set.dag(), [16; 3], kind, dir, face);
+            assert_eq!((n.direction, n.confidence), (face.normal(), Confidence::Face));
+        }
+    }
+}
+
+#[test]
+fn n02_line() {
+    let set = Set::new([[0, 0, 0], [1, 0, 0]]);
+    for (kind, _) in PLANES {
+        // The view direction without its part along the line.
+        let n = set.normal([0, 0, 0], kind, [0.5, 0.3, -0.4]);
+        assert_eq!(n.confidence, Confidence::Line);
+        assert_near(&n, [0.0, -0.6, 0.8], 1e-4);
+        assert_eq!(n.direction[0], 0.0);
+        // Along the line there is none: the face.
+        let n = set.normal([0, 0, 0], kind, [2.0, 0.0, 0.0]);
+        assert_eq!((n.direction, n.confidence), ([-1.0, 0.0, 0.0], Confidence::Face));
+    }
+    let diagonal = Set::new((-3..=3).map(|i| [i, i, -i]));
+    let n = diagonal.normal([0; 3], NormalKind::Plane3, [0.1, 0.7, -0.7]);
+    assert_eq!(n.confidence, Confidence::Line);
+    assert!(dot(n.direction.map(f64::from), [1.0, 1.0, -1.0]).abs() < 1e-6);
+    assert_eq!(diagonal.normal([0; 3], NormalKind::Plane3, [1.0, 1.0, -1.0]).confidence, Confidence::Face);
+}
+
+#[test]
+fn n03_full_block_and_checkerboard() {
+    let block = Set::new(boxed([-5; 3], [5; 3]));
+    let checkers = Set::new(boxed([-5; 3], [5; 3]).filter(|v| v.iter().sum::<i32>() % 2 == 0));
+    for set in [block, checkers] {
+        for (kind, _) in PLANES {
+            let n = set.normal([0; 3], kind, [0.3, 0.2, 0.9]);
+            assert_eq!((n.direction, n.confidence), ([0.0, 0.0, -1.0], Confidence::Face));
+        }
+    }
+}
+
+#[test]
+fn n04_flat_sheet() {
+    let set = Set::new(boxed([-5, -5, 0], [5, 5, 0]));
+    for (kind, _) in PLANES {
+        for side in [1.0, -1.0] {
+            let n = set.normal([0; 3], kind, [0.6, 0.5, -0.1 * side]);
+            assert_eq!((n.direction, n.confidence), ([0.0, 0.0, side as f32], Confidence::Plane { ratio: 0.0 }));
+        }
+    }
+}
+
+#[test]
+fn n05_wall_two_thick() {
+    let set = Set::new(boxed([-5, -5, -1], [5, 5, 0]));
+    for (kind, _) in PLANES {
+        for (z, side) in [(0, 1.0), (-1, -1.0)] {
+            let n = set.normal([0, 0, z], kind, [0.6, 0.5, -0.1 * side]);
+            assert!(is_plane(&n));
+            assert_eq!(n.direction, [0.0, 0.0, side as f32]);
+        }
+    }
+}
+
+#[test]
+fn n06_two_sheets_with_a_gap() {
+    let set = Set::new(boxed([-5, -5, -2], [5, 5, 0]).filter(|v| v[2] != -1));
+    for (kind, _) in &PLANES[1..] {
+        let n = set.normal([0; 3], *kind, [0.6, 0.5, -0.1]);
+        assert!(is_plane(&n));
+        assert_eq!(n.direction, [0.0, 0.0, 1.0]);
+    }
+}
+
+#[test]
+fn n07_half_space() {
+    let set = Set::new(boxed([-5; 3], [5, 5, 0]));
+    for (kind, r) in PLANES {
+        let n = set.normal([0; 3], kind, [0.6, 0.5, -0.1]);
+        assert_eq!(n.direction, [0.0, 0.0, 1.0]);
+        // Variances of r + 1 layers and of 2 r + 1.
+        let variance = |n: i32| f64::from(n * n - 1);
+        let expected = (variance(r + 1) / variance(2 * r + 1)) as f32;
+        let Confidence::Plane { ratio } = n.confidence else { panic!("{n:?}") };
+        assert!((ratio - expected).abs() < 1e-6, "{ratio} for {expected}");
+    }
+}
+
+#[test]
+fn n08_solid_cube_edge() {
+    let set = Set::new(boxed([-6; 3], [0, 6, 0]));
+    for (kind, _) in PLANES {
+        for dir in [[-1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [-0.5, 0.1, -0.6]] {
+            let n = set.normal([0; 3], kind, dir);
+            assert_eq!(n.confidence, Confidence::Gradient);
+            assert_eq!(n.direction, [BISECTOR as f32, 0.0, BISECTOR as f32]);
+        }
+    }
+}
+
+#[test]
+fn n09_solid_cube_corner() {
+    let set = Set::new(boxed([-6; 3], [0; 3]));
+    for (kind, _) in PLANES {
+        let n = set.normal([0; 3], kind, [-0.2, -0.3, -0.9]);
+        assert_eq!(n.confidence, Confidence::Gradient);
+        assert!(n.direction.iter().all(|&x| x == n.direction[0] && x > 0.57));
+    }
+}
+
+#[test]
+fn n10_shell_edge_and_corner() {
+    let edge = Set::new(boxed([-6; 3], [0, 6, 0]).filter(|v| v[0] == 0 || v[2] == 0));
+    let corner = Set::new(boxed([-6; 3], [0; 3]).filter(|v| v.contains(&0)));
+    for (kind, _) in PLANES {
+        assert_near(&edge.normal([0; 3], kind, [-0.5, 0.1, -0.6]), [BISECTOR, 0.0, BISECTOR], 1e-4);
+        assert_near(&corner.normal([0; 3], kind, [-0.5, -0.4, -0.6]), [1.0; 3], 1e-4);
+    }
+}
+
+/// The 48 symmetries of the cube: permutations of the axes with signs.
+fn symmetries() -> Vec<([usize; 3], [i32; 3])> {
+    let axes = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    axes.iter().flat_map(|&a| (0..8).map(move |s| (a, [0, 1, 2].map(|i| 1 - 2 * (s >> i & 1))))).collect()
+}
+
+/// Random voxels around 0 within 3, which is filled, of one of several densities, or a slab, or something symmetric.
+fn neighbourhood(random: &mut Random) -> Vec<Voxel> {
+    let (shape, density, n) = (random.below(3), 1 + random.below(8), random.unit());
+    boxed([-3; 3], [3; 3])
+        .filter(|v| {
+            let h = dot(v.map(f64::from), n);
+            let kept = match shape {
+                0 => random.below(8) < density,
+                1 => h.abs() < 0.9 && random.below(8) != 0,
+                _ => h <= 0.0,
+            };
+            kept || *v == [0; 3]
+        })
+        .collect()
+}
+
+#[test]
+fn n11_mirror_images() {
+    const SEED: u64 = 11;
+    let mut random = Random(SEED);
+    let mut branches = HashSet::new();
+    for round in 0..120 {
+        let voxels = neighbourhood(&mut random);
+        let dir = random.unit();
+        let face = face_against(dir);
+        let kinds = [NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3];
+        let plain = Set::new(voxels.iter().copied());
+        let plain = kinds.map(|kind| through(plain.dag(), [16; 3], kind, dir, face));
+        for (axes, signs) in symmetries() {
+            let turned = |v: [f64; 3]| [0, 1, 2].map(|i| v[axes[i]] * f64::from(signs[i]));
+            let image = Set::new(voxels.iter().map(|v| [0, 1, 2].map(|i| v[axes[i]] * signs[i])));
+            for (kind, n) in kinds.iter().zip(&plain) {
+                let m = through(image.dag(), [16; 3], *kind, turned(dir), face_against(turned(dir)));
+                let expected = turned(n.direction.map(f64::from));
+                let context = format!("seed {SEED}, round {round}, {kind:?}, {axes:?} {signs:?}: {n:?} became {m:?}");
+                assert_eq!(m.confidence, n.confidence, "{context}");
+                branches.insert(std::mem::discriminant(&m.confidence));
+                for i in 0..3 {
+                    assert!((f64::from(m.direction[i]) - expected[i]).abs() < 1e-6, "{context}");
+                }
+            }
+        }
+    }
+    assert!(branches.len() >= 3, "the neighbourhoods are too alike");
+}
+
+#[test]
+fn n12_absolute_coordinates() {
+    const SEED: u64 = 12;
+    let mut random = Random(SEED);
+    for round in 0..40 {
+        let voxels = neighbourhood(&mut random);
+        let dir = random.unit();
+        let near = Set::new(voxels.iter().copied());
+        let far = [(1 << 21) - 4, 3 + random.below(1 << 20) as i32, 1 << 20];
+        let set = Set::at(far, 21, voxels);
+        for (kind, _) in PLANES {
+            assert_eq!(
+                at(set.dag(), far, kind, dir),
+                at(near.dag(), [16; 3], kind, dir),
+                "seed {SEED}, round {round}, {kind:?} at {far:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn n13_grid_boundary() {
+    // A sheet, a wall and a solid that the cube cuts off: no tilt towards the border.
+    for thickness in [1, 2, 8] {
+        for depth in [3, 4] {
+            let last = (1 << depth) - 1;
+            let set = Set::at([0; 3], depth, boxed([0, 0, 0], [last, last, thickness - 1]));
+            for (x, y) in [(0, 0), (last, 0), (last, last), (0, last / 2)] {
+                for (kind, _) in PLANES {
+                    let n = at(set.dag(), [x, y, thickness - 1], kind, [0.1, 0.1, -0.3]);
+                    if depth == 3 && thickness == 8 {
+                        // The surface is the cube's own: the solid's neighbour above is outside, which is empty.
+                        assert_ne!(n.confidence, Confidence::Line);
+                    } else if thickness <= 2 && is_plane(&n) {
+                        assert_eq!(n.direction, [0.0, 0.0, 1.0], "{kind:?} at {x} {y}, thickness {thickness}");
+                    }
+                }
+            }
+        }
+    }
+    // Cubes of 1 and 2 voxels a side are one brick.
+    let single = Set::at([0; 3], 0, [[0; 3]]);
+    assert_eq!(at(single.dag(), [0; 3], NormalKind::Plane2, [0.0, -1.0, 0.0]).direction, [0.0, 1.0, 0.0]);
+    let sheet = Set::at([0; 3], 1, boxed([0; 3], [1, 1, 0]));
+    assert_eq!(at(sheet.dag(), [0; 3], NormalKind::Plane3, [0.5, 0.0, 0.4]).direction, [0.0, 0.0, -1.0]);
+    // Nothing aliases to the far side of the cube.
+    let ends = Set::at([0; 3], 4, [[0, 0, 0], [15, 0, 0], [15, 15, 0], [0, 0, 15]]);
+    assert_eq!(at(ends.dag(), [0; 3], NormalKind::Plane3, [0.5, 0.0, 0.4]).confidence, Confidence::Face);
+}
+
+#[test]
+fn n14_side() {
+    let sheet = Set::new(boxed([-5, -5, 0], [5, 5, 0]));
+    for kind in [NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3] {
+        // n.d = 0: the face decides, on either side.
+        for (face, z) in [(Face::PosZ, 1.0), (Face::NegZ, -1.0)] {
+            assert_eq!(through(sheet.dag(), [16; 3], kind, [1.0, 0.0, 0.0], face).direction, [0.0, 0.0, z]);
+        }
+        // n.face = 0 too: the face itself.
+        let n = through(sheet.dag(), [16; 3], kind, [1.0, 0.0, 0.0], Face::NegX);
+        assert_eq!((n.direction, n.confidence), ([-1.0, 0.0, 0.0], Confidence::Face));
+        // A ray that starts inside comes through the face against its largest component.
+        let n = through(sheet.dag(), [16; 3], kind, [0.0, 1.0, 0.0], Face::Inside);
+        assert_eq!(n.direction, [0.0, -1.0, 0.0]);
+        // No direction at all is no reason for NaN.
+        for dir in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY, 0.0, 0.0]] {
+            through(sheet.dag(), [16; 3], kind, dir, Face::Inside);
+            through(sheet.dag(), [16; 3], kind, dir, Face::PosZ);
+        }
+    }
+}
+
+#[test]
+fn every_answer_is_a_unit_vector_towards_the_viewer() {
+    const SEED: u64 = 15;
+    let mut random = Random(SEED);
+    for round in 0..60 {
+        let set = Set::new(neighbourhood(&mut random));
+        for kind in [NormalKind::Face, NormalKind::Stored, NormalKind::Gradient, NormalKind::Plane2] {
+            for voxel in [[16; 3], [0, 31, 7], [18, 15, 16], [40, 3, 3], [(1 << 21) - 1; 3]] {
+                let dir = random.unit();
+                let n = at(set.dag(), voxel, kind, dir);
+                let d = dot(n.direction.map(f64::from), dir);
+                assert!(d < 1e-6, "seed {SEED}, round {round}, {kind:?} at {voxel:?}: {n:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn stored_normals_come_first_where_there_are_any() {
+    #[derive(Clone, Copy)]
+    struct Kept(Option<[f32; 3]>);
+    impl Materials for Kept {
+        fn id(&self, _: Dag<'_>, _: Morton) -> u16 {
+            0
+        }
+        fn normal(&self, _: Dag<'_>, _: Morton) -> Option<[f32; 3]> {
+            self.0
+        }
+    }
+    let sheet = Set::new(boxed([-5, -5, 0], [5, 5, 0]));
+    let hit = Hit { voxel: Morton::encode([16; 3]).unwrap(), from: None, t: 0.0, level: 0, face: Face::PosZ };
+    let ask = |kept, kind| normal(sheet.dag(), Kept(kept), &hit, [0.1, 0.1, -1.0], kind);
+    let n = ask(Some([3.0, 0.0, 4.0]), NormalKind::Stored);
+    assert_eq!((n.direction, n.confidence), ([0.6, 0.0, 0.8], Confidence::Stored));
+    // Seen from behind it is turned; other kinds do not ask for it; without one, or with none to speak of, a plane.
+    assert_eq!(ask(Some([0.0, 0.0, -2.0]), NormalKind::Stored).direction, [0.0, 0.0, 1.0]);
+    let plane = ask(None, NormalKind::Plane2);
+    assert!(is_plane(&plane));
+    assert_eq!(ask(Some([1.0, 0.0, 0.0]), NormalKind::Plane2), plane);
+    for none in [None, Some([0.0; 3]), Some([f32::NAN, 0.0, 1.0]), Some([f32::INFINITY, 0.0, 0.0])] {
+        assert_eq!(ask(none, NormalKind::Stored), plane);
+    }
+}
+
+/// Eigenvalues, ascending, with eigenvectors of a symmetric matrix by cyclic Jacobi rotations (Golub, Van Loan 2013, 8.5).
+fn jacobi(mut a: [[f64; 3]; 3]) -> [(f64, [f64; 3]); 3] {
+    let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    for _ in 0..30 {
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if a[p][q] == 0.0 {
+                continue;
+            }
+            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let c = 1.0 / (t * t + 1.0).sqrt();
+            let s = t * c;
+            for row in &mut a {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+            for k in 0..3 {
+                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
+            }
+            for row in &mut v {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
+            }
+        }
+    }
+    let mut pairs = [0, 1, 2].map(|i| (a[i][i], [v[0][i], v[1][i], v[2][i]]));
+    pairs.sort_by(|x, y| x.0.total_cmp(&y.0));
+    pairs
+}
+
+#[test]
+fn planes_agree_with_jacobi_voxel_by_voxel() {
+    const SEED: u64 = 16;
+    let mut random = Random(SEED);
+    let (mut planes, mut solids) = (0, 0);
+    for round in 0..400 {
+        // Somewhere in a small cube, the borders included.
+        let center: Voxel = [0, 1, 2].map(|_| random.below(32) as i32);
+        let voxels: Vec<Voxel> = neighbourhood(&mut random)
+            .into_iter()
+            .map(|v| moved(v, center))
+            .filter(|v| v.iter().all(|c| (0..32).contains(c)))
+            .collect();
+        let set = Set::at([0; 3], 5, voxels.iter().copied());
+        let dir = random.unit();
+        for (kind, r) in PLANES {
+            let window: Vec<[f64; 3]> = voxels
+                .iter()
+                .filter(|v| (0..3).all(|i| (v[i] - center[i]).abs() <= r))
+                .map(|v| v.map(f64::from))
+                .collect();
+            let mean = [0, 1, 2].map(|i| window.iter().map(|v| v[i]).sum::<f64>() / window.len() as f64);
+            let covariance = [0, 1, 2]
+                .map(|i| [0, 1, 2].map(|j| window.iter().map(|v| (v[i] - mean[i]) * (v[j] - mean[j])).sum::<f64>()));
+            let [(l0, n), (l1, _), _] = jacobi(covariance);
+            let ratio = l0.max(0.0) / l1;
+            let found = at(set.dag(), center, kind, dir);
+            let context = format!("seed {SEED}, round {round}, {kind:?} at {center:?}, ratio {ratio}: {found:?}");
+            match found.confidence {
+                Confidence::Plane { ratio: found_ratio } => {
+                    planes += 1;
+                    assert!((f64::from(found_ratio) - ratio).abs() < 1e-5, "{context}");
+                    let angle = degrees(found.direction.map(f64::from), n);
+                    assert!(angle.min(180.0 - angle) < 1e-4, "{context}: {n:?}");
+                }
+                Confidence::Line => assert!(l1 < 1e-9, "{context}"),
+                _ => {
+                    solids += 1;
+                    assert!(l1 < 1e-9 || ratio > 0.6 - 1e-9, "{context}");
+                }
+            }
+        }
+    }
+    assert!(planes > 300 && solids > 100, "{planes} planes and {solids} solids: too few of one");
+}
+
+/// Mean and largest error in degrees over all voxels, seen along the true normal a little turned.
+fn errors(depth: u8, voxels: &[Voxel], kind: NormalKind, truth: impl Fn(Voxel) -> [f64; 3]) -> (f64, f64) {
+    let set = Set::at([0; 3], depth, voxels.iter().copied());
+    let (mut sum, mut largest) = (0.0, 0.0f64);
+    for &v in voxels {
+        let n = normalize(truth(v)).unwrap();
+        let found = at(set.dag(), v, kind, [-n[0] + 0.1, -n[1] - 0.05, -n[2] + 0.02]);
+        let error = degrees(found.direction.map(f64::from), n);
+        sum += error;
+        largest = largest.max(error);
+    }
+    (sum / voxels.len() as f64, largest)
+}
+
+#[test]
+fn accuracy_on_a_sphere() {
+    // Centre off the lattice, radius 32.
+    let (center, radius) = ([40.3, 39.8, 40.1], 32.0);
+    let from_center = |v: Voxel| [0, 1, 2].map(|i| f64::from(v[i]) + 0.5 - center[i]);
+    let length = |p: [f64; 3]| dot(p, p).sqrt();
+    // Thin: the centre within half a voxel of the surface. Cover: the surface runs through the voxel.
+    let thin: Vec<_> = boxed([0; 3], [80; 3]).filter(|&v| (length(from_center(v)) - radius).abs() <= 0.5).collect();
+    let cover: Vec<_> = boxed([0; 3], [80; 3])
+        .filter(|&v| {
+            let p = from_center(v).map(f64::abs);
+            length(p.map(|x| (x - 0.5).max(0.0))) <= radius && radius <= length(p.map(|x| x + 0.5))
+        })
+        .collect();
+    for (name, voxels) in [("thin", thin), ("cover", cover)] {
+        for (kind, mean_limit, largest_limit) in
+            [(NormalKind::Plane1, 6.8, 30.0), (NormalKind::Plane2, 2.4, 16.0), (NormalKind::Plane3, 1.3, 9.0)]
+        {
+            let (mean, largest) = errors(7, &voxels, kind, from_center);
+            println!("sphere, {name}, {kind:?}: mean {mean:.2}, largest {largest:.1} degrees");
+            assert!(mean <= mean_limit && largest <= largest_limit, "{name} {kind:?}: {mean} {largest}");
+        }
+    }
+}
+
+#[test]
+fn accuracy_on_tilted_planes() {
+    const SEED: u64 = 17;
+    const ROUNDS: i32 = 60;
+    let mut random = Random(SEED);
+    // The voxels that the plane runs through, and those whose centre is within half a voxel of it.
+    for name in ["cover", "thin"] {
+        let mut sums = [0.0; 3];
+        for _ in 0..ROUNDS {
+            let n = random.unit();
+            let through: Voxel = [0, 1, 2].map(|_| 4000 + random.below(256) as i32);
+            let reach = if name == "thin" { 0.5 } else { n.iter().map(|x| x.abs()).sum::<f64>() / 2.0 };
+            let height = |v: &Voxel| dot([0, 1, 2].map(|i| f64::from(256 * v[i] - through[i]) / 256.0), n);
+            let voxels: Vec<_> = boxed([0; 3], [31; 3]).filter(|v| height(v).abs() <= reach).collect();
+            let inner: Vec<_> = voxels.iter().copied().filter(|v| v.iter().all(|c| (3..=28).contains(c))).collect();
+            let set = Set::at([0; 3], 5, voxels);
+            for (i, (kind, _)) in PLANES.iter().enumerate() {
+                let error = |v: &Voxel| degrees(at(set.dag(), *v, *kind, n.map(|x| -x)).direction.map(f64::from), n);
+                sums[i] += inner.iter().map(error).sum::<f64>() / inner.len() as f64;
+            }
+        }
+        let means = sums.map(|s| s / f64::from(ROUNDS));
+        println!("tilted planes, {name}: means {means:.2?} degrees");
+        assert!(means[0] <= 7.5 && means[1] <= 2.4 && means[2] <= 1.3, "seed {SEED}, {name}: {means:?}");
+    }
+}
