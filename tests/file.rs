@@ -2,7 +2,8 @@
 //! and whatever words are read either are refused or make a scene that is safe to use.
 
 use voxdag::dag::{Dag, DagError};
-use voxdag::file::{self, LoadError, Parts, Scene, Section, UpAxis, WriteError};
+use voxdag::file::{self, LoadError, Parts, Scene, Section, WriteError};
+use voxdag::grid::UpAxis;
 use voxdag::grid::{Bounds, Grid};
 use voxdag::materials::{AnyMaterials, Materials, Single};
 use voxdag::table::{Entry, Table, TableBuf};
@@ -235,7 +236,7 @@ fn files_of_other_kinds_are_named() {
 }
 
 #[test]
-fn every_length_but_the_right_one_is_refused() {
+fn d7_d10_every_length_but_the_right_one_is_refused() {
     let mut words = tiny();
     for len in 0..words.len() {
         let error = file::read(&words[..len]).unwrap_err();
@@ -269,7 +270,7 @@ fn every_flipped_bit_is_refused() {
 
 /// With the checksums made right again, words either are refused or make a scene that is safe to use.
 #[test]
-fn damage_under_right_checksums_is_refused_or_harmless() {
+fn d3_d9_damage_under_right_checksums_is_refused_or_harmless() {
     let mut loaded = 0;
     let (dag, all, table) = (dag_words(), materials(), table_words(true));
     for words in [parts(&dag, Some(&table), &all).to_vec().unwrap(), parts(&dag, None, &all).to_vec().unwrap()] {
@@ -330,7 +331,7 @@ fn sections_are_skipped_missed_and_not_doubled() {
 }
 
 #[test]
-fn errors_say_where() {
+fn d4_errors_say_where() {
     let good = tiny();
     let section = |kind| (32..).step_by(6).find(|&row| good[row] == kind).map(|row| good[row + 2] as usize).unwrap();
     let read = |at: usize, value: u32| {
@@ -348,6 +349,7 @@ fn errors_say_where() {
     assert_eq!(read(section(3) + 19, 1), LoadError::Material { index: 0, field: "illum" });
     assert_eq!(read(section(4) + 1, 10), LoadError::Name { index: 0 });
     assert_eq!(read(section(4) + 3, u32::from_le_bytes(*b"r\xffdw")), LoadError::Name { index: 0 });
+    assert_eq!(read(section(4) + 5, u32::from_le_bytes(*b"e\0\0x")), LoadError::Name { index: 2 });
     let crc_word = good[33];
     let mut words = good.clone();
     words[section(3)] ^= 1;

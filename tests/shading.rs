@@ -5,9 +5,10 @@
 mod support;
 
 use support::{Random, dag_words, degrees};
-use voxdag::camera::{Camera, CameraError, UpAxis};
+use voxdag::camera::{Camera, CameraError};
 use voxdag::color::{Mean, WHITE, linear_to_srgb8, quantize, srgb_to_linear};
 use voxdag::grid::Bounds;
+use voxdag::grid::UpAxis;
 use voxdag::materials::Single;
 use voxdag::normal::NormalKind;
 use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};

@@ -1,1 +1,63 @@
-fn main() {}
+//! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
+//!
+//! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
+//! `scene` and `picture` (the core's stages on all cores), `progress`, `report`, `stats` and `error`. No algorithm of the
+//! field lives here.
+
+mod cmd;
+mod error;
+mod input;
+mod options;
+mod ordered;
+mod output;
+mod picture;
+mod progress;
+mod report;
+mod scene;
+mod stats;
+
+use clap::{Parser, Subcommand};
+
+/// Turn triangle meshes into compressed voxel scenes and ray trace them
+#[derive(Parser)]
+#[command(
+    name = "voxdag",
+    version,
+    arg_required_else_help = true,
+    after_help = "\
+Start here:
+  voxdag demo                              a picture of the scene that comes along
+  voxdag render bunny.obj -o bunny.png     a mesh to a picture in one step
+
+Exit codes: 0 done, 1 failure, 2 wrong usage, 3 bad input, 4 limit exceeded, 130 interrupted"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Demo(cmd::demo::Args),
+    Build(cmd::build::Args),
+    Render(cmd::render::Args),
+    Info(cmd::info::Args),
+    Verify(cmd::verify::Args),
+    Completions(cmd::completions::Args),
+}
+
+fn main() {
+    let cli = Cli::parse();
+    output::clean_up_when_interrupted();
+    let result = match cli.command {
+        Command::Demo(args) => cmd::demo::run(&args),
+        Command::Build(args) => cmd::build::run(&args),
+        Command::Render(args) => cmd::render::run(&args),
+        Command::Info(args) => cmd::info::run(&args),
+        Command::Verify(args) => cmd::verify::run(&args),
+        Command::Completions(args) => cmd::completions::run(&args),
+    };
+    if let Err(error) = result {
+        std::process::exit(error.report());
+    }
+}

@@ -3,29 +3,9 @@
 //! In: eye, target, up and the vertical field of view. Out: one direction per place in the picture; pixel (x, y) spans
 //! x to x + 1 and y to y + 1, row 0 on top. Everything in f64; the tangent is libm's.
 
-use crate::grid::Bounds;
+use crate::grid::{Bounds, UpAxis};
 use crate::math;
 use crate::shade::{Light, LightKind};
-
-/// Which way is up in a model's own coordinates.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum UpAxis {
-    /// +y is up, +z towards the viewer (most OBJ files).
-    #[default]
-    Y,
-    /// +z is up, -y towards the viewer: the same model, turned by `(x, y, z) -> (x, -z, y)`.
-    Z,
-}
-
-impl UpAxis {
-    /// A vector given for y-up, as it is for this axis.
-    pub fn turn(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
-        match self {
-            UpAxis::Y => [x, y, z],
-            UpAxis::Z => [x, -z, y],
-        }
-    }
-}
 
 /// A pinhole camera.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -29,6 +29,26 @@ pub struct Bounds {
     pub max: [f64; 3],
 }
 
+/// Which way is up in a model's own coordinates.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum UpAxis {
+    /// +y is up, +z towards the viewer (most OBJ files).
+    #[default]
+    Y,
+    /// +z is up, -y towards the viewer: the same model, turned by `(x, y, z) -> (x, -z, y)`.
+    Z,
+}
+
+impl UpAxis {
+    /// A vector given for y-up, as it is for this axis.
+    pub fn turn(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self {
+            UpAxis::Y => [x, y, z],
+            UpAxis::Z => [x, -z, y],
+        }
+    }
+}
+
 /// Why a grid cannot be laid out.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum GridError {

@@ -15,6 +15,7 @@ pub mod ray;
 
 pub mod octree;
 pub mod scenes;
+pub mod subject;
 pub mod table;
 pub mod textbook;
 

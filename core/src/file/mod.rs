@@ -26,7 +26,7 @@ pub use names::Name;
 pub use write::{Parts, WriteError};
 
 use crate::dag::Dag;
-use crate::grid::{Bounds, Grid};
+use crate::grid::{Bounds, Grid, UpAxis};
 use crate::material::{Material, MaterialId};
 use crate::materials::{AnyMaterials, Single};
 use crate::table::Table;
@@ -42,16 +42,6 @@ pub const HEADER: usize = 32;
 const ROW: usize = 6;
 /// Words per material.
 const RECORD: usize = 20;
-
-/// Which axis of the world points up.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
-pub enum UpAxis {
-    /// +y, as in OBJ files by custom.
-    #[default]
-    Y,
-    /// +z.
-    Z,
-}
 
 /// A scene in a file's words; nothing in it can panic.
 #[derive(Clone, Copy, Debug)]

@@ -2,8 +2,9 @@
 //! any size goes to disk without a copy. What is written is what [`super::read`] takes.
 
 use super::error::{LoadError, Section};
-use super::{HEADER, MAGIC, RECORD, ROW, UpAxis, VERSION, check, check_material, crc, encode_material};
+use super::{HEADER, MAGIC, RECORD, ROW, VERSION, check, check_material, crc, encode_material};
 use crate::dag::Dag;
+use crate::grid::UpAxis;
 use crate::grid::{Bounds, Grid};
 use crate::material::Material;
 use crate::materials::AnyMaterials;

@@ -1,0 +1,135 @@
+//! `voxdag demo`: the main job on the scene that comes along, on the way that a user's own mesh takes.
+
+use std::path::Path;
+use std::time::Instant;
+
+use serde::Serialize;
+use voxdag::demo;
+use voxdag::render::Samples;
+
+use crate::error::Result;
+use crate::options::{ArithmeticArg, BuildArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs};
+use crate::output::Output;
+use crate::picture;
+use crate::report::{self, Lines, grouped, seconds};
+use crate::scene::{self, Bytes, Cost};
+use crate::stats::{self, ms};
+
+/// Build and draw the scene that comes along, into voxdag-demo.png
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(flatten)]
+    machine: MachineArgs,
+    #[command(flatten)]
+    report: ReportArgs,
+}
+
+const PICTURE: &str = "voxdag-demo.png";
+
+/// What `demo --json` prints.
+#[derive(Serialize)]
+struct Report {
+    triangles: usize,
+    voxels: u64,
+    /// Nodes and bricks without sharing.
+    octree_nodes: u64,
+    nodes: u64,
+    bricks: u64,
+    bytes: Bytes,
+    ms: Ms,
+    peak_rss_bytes: Option<u64>,
+    threads: usize,
+    picture: &'static str,
+}
+
+#[derive(Serialize)]
+struct Ms {
+    parse: f64,
+    voxelize: f64,
+    reduce: f64,
+    materials: f64,
+    trace: f64,
+    total: f64,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let start = Instant::now();
+    let output = Output::create(Path::new(PICTURE), "png")?;
+    let pool = args.machine.pool()?;
+    let (text, library) = (demo::obj(), demo::mtl());
+    let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
+        (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
+    })?;
+    let building = BuildArgs { resolution: Some(demo::RESOLUTION), ..BuildArgs::default() };
+    let built = pool.install(|| scene::build(&source, &building, &args.machine))?;
+    let picture = pool.install(|| picture::draw(&built.shown(), &view(), &args.machine))?;
+    output.finish(|file| picture.write_png(file))?;
+
+    let Cost { parse, voxelize, reduce, materials } = built.cost;
+    let report = Report {
+        triangles: built.triangles,
+        voxels: built.stats.voxels,
+        octree_nodes: built.stats.octree_nodes(),
+        nodes: built.stats.nodes(),
+        bricks: built.stats.levels[2].unique,
+        bytes: built.bytes(),
+        ms: Ms {
+            parse: ms(parse),
+            voxelize: ms(voxelize),
+            reduce: ms(reduce),
+            materials: ms(materials),
+            trace: ms(picture.trace),
+            total: ms(start.elapsed()),
+        },
+        peak_rss_bytes: stats::peak_rss_bytes(),
+        threads: pool.current_num_threads(),
+        picture: PICTURE,
+    };
+    report::result(args.report.json, &report, &lines(&report))?;
+    report::next("render your.obj -o your.png");
+    Ok(())
+}
+
+/// The view that suits the scene, as if it had been typed.
+fn view() -> PictureArgs {
+    let view = demo::view();
+    PictureArgs {
+        size: [1280, 720],
+        eye: Some(view.eye),
+        target: Some(view.target),
+        view_up: Some(view.up),
+        fov: view.fov_y,
+        lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
+        ambient: view.ambient,
+        normals: NormalsArg::default(),
+        samples: Samples::Four,
+        arithmetic: ArithmeticArg::default(),
+    }
+}
+
+/// The report for people.
+fn lines(report: &Report) -> Lines {
+    let mut lines = Lines::default();
+    let Ms { parse, trace, total, .. } = report.ms;
+    let build = report.ms.voxelize + report.ms.reduce + report.ms.materials;
+    lines
+        .row("triangles", grouped(report.triangles as u64))
+        .row("voxels", grouped(report.voxels))
+        .row("nodes", report::sharing(report.octree_nodes, report.nodes + report.bricks))
+        .row("bytes", report.bytes.text())
+        .row(
+            "time",
+            format!(
+                "{} on {} threads: parse {}, build {}, draw {}",
+                seconds(total),
+                report.threads,
+                seconds(parse),
+                seconds(build),
+                seconds(trace)
+            ),
+        )
+        .row("memory", report::peak(report.peak_rss_bytes))
+        .row("picture", report.picture);
+    lines
+}

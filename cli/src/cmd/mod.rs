@@ -1,0 +1,8 @@
+//! The subcommands, one file each: its flags, its run, its report.
+
+pub mod build;
+pub mod completions;
+pub mod demo;
+pub mod info;
+pub mod render;
+pub mod verify;

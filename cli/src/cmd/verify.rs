@@ -1,0 +1,98 @@
+//! `voxdag verify`: the full check of a `.vxd` file, and what it consisted of.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+use voxdag::dag::{BRICK_LEVEL, Stats};
+use voxdag::materials::AnyMaterials;
+use voxdag::{Dag, Morton, Table};
+
+use crate::error::{Error, Result};
+use crate::input;
+use crate::options::ReportArgs;
+use crate::progress::Progress;
+use crate::report::{self, Lines, grouped, shell_word, size};
+use crate::scene;
+
+/// Check every word of a voxel scene
+#[derive(clap::Args)]
+pub struct Args {
+    /// A scene from `voxdag build`
+    #[arg(value_name = "F.vxd")]
+    scene: PathBuf,
+
+    #[command(flatten)]
+    report: ReportArgs,
+}
+
+/// What `verify --json` prints for a scene without fault; one with a fault ends with exit code 3.
+#[derive(Serialize)]
+struct Report {
+    ok: bool,
+    checks: Vec<Check>,
+}
+
+/// Something that was looked at and is right.
+#[derive(Serialize)]
+struct Check {
+    name: &'static str,
+    found: String,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let words = input::read_scene(&args.scene)?;
+    let scene = scene::open(&args.scene, &words)?;
+    let stats = scene::count(scene.dag)?;
+    let (dag, unique) = (scene.dag, stats.nodes() + u64::from(scene.dag.brick_count()));
+    let mut checks = vec![
+        Check { name: "header", found: format!("{}, every checksum right", size(4 * words.len() as u64)) },
+        Check {
+            name: "dag",
+            found: format!("{} nodes and bricks, every child one level below its parent", grouped(unique)),
+        },
+        Check {
+            name: "materials",
+            found: format!("{}, every number in range, every id in use exists", scene.material_count()),
+        },
+    ];
+    if let AnyMaterials::Table(table) = scene.materials {
+        each_voxel_has_its_entry(&args.scene, dag, table, &stats)?;
+        let found = format!("{} entries: one for every voxel and no more", grouped(table.len()));
+        checks.push(Check { name: "table", found });
+    }
+
+    let mut lines = Lines::default();
+    for check in &checks {
+        lines.row(check.name, check.found.as_str());
+    }
+    lines.row("", "").row(args.scene.display().to_string(), "is sound");
+    report::result(args.report.json, &Report { ok: true, checks }, &lines)?;
+    report::next(format_args!("info {}", shell_word(&args.scene)));
+    Ok(())
+}
+
+/// Loading makes sure that the table is one; only here is it held against the voxels.
+fn each_voxel_has_its_entry(path: &Path, dag: Dag<'_>, table: Table<'_>, stats: &Stats) -> Result<()> {
+    // Counted first: that bounds the walk by the size of the file, whatever the DAG claims.
+    if table.len() != stats.voxels {
+        return Err(damaged(path, format_args!("{} voxels, but {} entries", stats.voxels, table.len())));
+    }
+    let progress = Progress::stage("checking", stats.levels[usize::from(BRICK_LEVEL)].octree);
+    for (first, mut mask) in dag.bricks() {
+        while mask != 0 {
+            let voxel = Morton(first.0 | u64::from(mask.trailing_zeros()));
+            if table.get(voxel).is_none() {
+                let [x, y, z] = voxel.decode();
+                return Err(damaged(path, format_args!("voxel ({x}, {y}, {z}) has no entry")));
+            }
+            mask &= mask - 1;
+        }
+        progress.step();
+    }
+    Ok(())
+}
+
+fn damaged(path: &Path, what: impl std::fmt::Display) -> Error {
+    Error::input(path, format_args!("the material table does not fit the voxels: {what}")).hint("build it again")
+}

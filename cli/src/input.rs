@@ -1,0 +1,152 @@
+//! Reading inputs: a mesh with the files it names, or a scene that was built before. Which of the two a file is decides
+//! its content, not its name.
+
+use std::fs::File;
+use std::io::{ErrorKind, Read};
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Kind, Result};
+use crate::options::MachineArgs;
+use crate::report::shell_word;
+
+/// A file's content.
+pub enum Content {
+    /// The words of a `.vxd` file, not yet checked.
+    Scene(Vec<u32>),
+    /// Any other bytes: the text of a mesh.
+    Mesh(Vec<u8>),
+}
+
+/// Reads a file that may be a mesh or a scene.
+pub fn read(path: &Path, machine: &MachineArgs) -> Result<Content> {
+    let (mut file, length) = open(path)?;
+    machine.afford(length, &path.display().to_string(), "raise --memory-limit")?;
+    let mut head = [0; 4];
+    let read = read_up_to(&mut file, &mut head).map_err(|e| unreadable(path, &e))?;
+    let magic = u32::from_le_bytes(head);
+    if read == 4 && (magic == voxdag::file::MAGIC || magic.swap_bytes() == voxdag::file::MAGIC) {
+        return words(path, file, length, magic).map(Content::Scene);
+    }
+    if has_extension(path, "vxd") {
+        return Err(Error::input(path, "is not a voxdag scene: it does not start with the mark of one")
+            .hint("build it from its mesh with `voxdag build`"));
+    }
+    if let Some(known) =
+        ["ply", "stl", "gltf", "glb", "fbx", "dae", "vox", "png"].iter().find(|e| has_extension(path, e))
+    {
+        return Err(Error::input(path, format_args!(".{known} files cannot be read"))
+            .hint("expected a Wavefront OBJ (.obj) or a voxdag scene (.vxd)"));
+    }
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(length as usize).map_err(|_| too_large(path, length))?;
+    bytes.extend_from_slice(&head[..read]);
+    file.read_to_end(&mut bytes).map_err(|e| unreadable(path, &e))?;
+    Ok(Content::Mesh(bytes))
+}
+
+/// Reads a file that must be a scene.
+pub fn read_scene(path: &Path) -> Result<Vec<u32>> {
+    match read(path, &MachineArgs::default())? {
+        Content::Scene(words) => Ok(words),
+        Content::Mesh(_) => Err(Error::input(path, "is not a voxdag scene").hint(format_args!(
+            "make one of a mesh with `voxdag build {} -o {}`",
+            shell_word(path),
+            shell_word(&path.with_extension("vxd"))
+        ))),
+    }
+}
+
+/// Reads a file that must be a mesh.
+pub fn read_mesh(path: &Path, machine: &MachineArgs) -> Result<Vec<u8>> {
+    match read(path, machine)? {
+        Content::Mesh(bytes) => Ok(bytes),
+        Content::Scene(_) => Err(Error::input(path, "is built already")
+            .hint(format_args!("look at it with `voxdag info {}`", shell_word(path)))),
+    }
+}
+
+/// Finds the files that a mesh names, relative to the mesh's own folder, and remembers which were read.
+pub struct Companions {
+    folder: PathBuf,
+    /// Every file that was read so far.
+    pub read: Vec<PathBuf>,
+}
+
+impl Companions {
+    /// Of the mesh at `path`.
+    pub fn of(path: &Path) -> Companions {
+        Companions { folder: path.parent().unwrap_or(Path::new("")).to_path_buf(), read: vec![path.to_path_buf()] }
+    }
+
+    /// The content of `name`, which may be written with backslashes; `None` if there is no such file.
+    pub fn resolve(&mut self, name: &str) -> Option<Vec<u8>> {
+        let spellings = [name.to_owned(), name.replace('\\', "/")];
+        let found = spellings.iter().find_map(|name| {
+            let path = self.folder.join(name);
+            std::fs::read(&path).ok().map(|bytes| (path, bytes))
+        });
+        let (path, bytes) = found?;
+        self.read.push(path);
+        Some(bytes)
+    }
+}
+
+fn open(path: &Path) -> Result<(File, u64)> {
+    let file = File::open(path).map_err(|e| unreadable(path, &e))?;
+    let found = file.metadata().map_err(|e| unreadable(path, &e))?;
+    if found.is_dir() {
+        return Err(Error::input(path, "is a folder").hint("name the mesh in it"));
+    }
+    Ok((file, found.len()))
+}
+
+fn unreadable(path: &Path, cause: &std::io::Error) -> Error {
+    match cause.kind() {
+        ErrorKind::NotFound => Error::input(path, "there is no such file"),
+        _ => Error::input(path, format_args!("cannot read: {cause}")),
+    }
+}
+
+fn too_large(path: &Path, length: u64) -> Error {
+    Error::new(Kind::Failure, format_args!("{}: no memory for its {length} bytes", path.display()))
+}
+
+fn has_extension(path: &Path, extension: &str) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
+}
+
+/// Fills the buffer as far as the file reaches.
+fn read_up_to(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
+    let mut filled = 0;
+    while filled < buffer.len() {
+        match file.read(&mut buffer[filled..]) {
+            Ok(0) => break,
+            Ok(n) => filled += n,
+            Err(e) if e.kind() == ErrorKind::Interrupted => {}
+            Err(e) => return Err(e),
+        }
+    }
+    Ok(filled)
+}
+
+/// The rest of a scene's words, piece by piece, so that its bytes are never all there beside them.
+fn words(path: &Path, mut file: File, length: u64, first: u32) -> Result<Vec<u32>> {
+    let mut words = Vec::new();
+    words.try_reserve_exact((length / 4) as usize).map_err(|_| too_large(path, length))?;
+    words.push(first);
+    let mut piece = vec![0; 1 << 16];
+    loop {
+        let read = read_up_to(&mut file, &mut piece).map_err(|e| unreadable(path, &e))?;
+        words.extend(piece[..read].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
+        if read % 4 != 0 {
+            return Err(Error::input(
+                path,
+                format_args!("is cut short: its length of {length} bytes is no multiple of 4"),
+            )
+            .hint("copy or build it again"));
+        }
+        if read < piece.len() {
+            return Ok(words);
+        }
+    }
+}

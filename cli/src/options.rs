@@ -1,0 +1,344 @@
+//! The flags that several commands share, and how their values are read. Defaults stand in the help texts; a flag that
+//! was not given stays `None` where its absence matters.
+
+use clap::{Args, ValueEnum};
+use voxdag::render::Samples;
+
+use crate::error::{Error, Kind};
+use crate::report::size;
+
+/// How the mesh becomes voxels.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Building")]
+pub struct BuildArgs {
+    /// Voxels along the longest axis, 1 to 2097152 [default: 512]
+    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 21))]
+    pub resolution: Option<u32>,
+
+    /// Side of a voxel in the mesh's units, instead of a resolution
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub voxel_size: Option<f64>,
+
+    /// World position of the corner of voxel (0, 0, 0) [default: the minimum of the mesh's box]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub origin: Option<[f64; 3]>,
+
+    /// Which voxels a triangle fills [default: exact]
+    #[arg(long, value_enum)]
+    pub cover: Option<CoverArg>,
+
+    /// What is kept of the surfaces [default: table]
+    #[arg(long, value_enum)]
+    pub materials: Option<MaterialsArg>,
+
+    /// The axis that points up; kept in the file for `render` [default: y]
+    #[arg(long, value_enum)]
+    pub up_axis: Option<UpAxisArg>,
+}
+
+impl BuildArgs {
+    /// Refuses flags that contradict each other.
+    pub fn check(&self) -> Result<(), Error> {
+        if self.resolution.is_some() && self.voxel_size.is_some() && self.origin.is_none() {
+            return Err(Error::usage("--resolution and --voxel-size together leave open where the grid lies")
+                .hint("give one of the two, or add --origin X,Y,Z"));
+        }
+        Ok(())
+    }
+
+    /// The first of these flags that was given, as it is typed.
+    pub fn given(&self) -> Option<&'static str> {
+        let flags = [
+            (self.resolution.is_some(), "--resolution"),
+            (self.voxel_size.is_some(), "--voxel-size"),
+            (self.origin.is_some(), "--origin"),
+            (self.cover.is_some(), "--cover"),
+            (self.materials.is_some(), "--materials"),
+            (self.up_axis.is_some(), "--up-axis"),
+        ];
+        flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
+    }
+}
+
+/// Which voxels a triangle fills.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum CoverArg {
+    /// Every voxel that the triangle meets: no gap
+    #[default]
+    Exact,
+    /// The fewest that no ray slips through along an axis (6-separating)
+    Thin,
+    /// A little more, so that it also covers the vertices before they are snapped to the grid
+    Inflated,
+}
+
+/// What is kept of the surfaces.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum MaterialsArg {
+    /// A table from voxel to material
+    #[default]
+    Table,
+    /// A table from voxel to material and normal
+    TableNormals,
+    /// Shape only
+    None,
+}
+
+/// The axis that points up.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum UpAxisArg {
+    /// As most modelling programs write OBJ
+    #[default]
+    Y,
+    /// As CAD, GIS and Blender's own axes
+    Z,
+}
+
+/// How the scene is seen and lit.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
+    pub size: [u32; 2],
+
+    /// Where the camera stands [default: in front, to the right and above, so that all is in view]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub eye: Option<[f64; 3]>,
+
+    /// What it looks at [default: the centre of the mesh's box]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub target: Option<[f64; 3]>,
+
+    /// Which way is up in the picture [default: the up axis]
+    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    pub view_up: Option<[f64; 3]>,
+
+    /// Vertical field of view in degrees, above 0 and below 180
+    #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view, allow_hyphen_values = true)]
+    pub fov: f64,
+
+    /// A point light and its colour; may be repeated [default: one white light above the eye]
+    #[arg(long = "light", value_name = "X,Y,Z[,R,G,B]", value_parser = light, allow_hyphen_values = true)]
+    pub lights: Vec<LightArg>,
+
+    /// Light from everywhere: one number or three
+    #[arg(long, value_name = "R,G,B", default_value = "0.2", value_parser = colour, allow_hyphen_values = true)]
+    pub ambient: [f32; 3],
+
+    /// Where the surface's direction is taken from
+    #[arg(long, value_enum, default_value_t)]
+    pub normals: NormalsArg,
+
+    /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64
+    #[arg(long, value_name = "N", default_value = "4", value_parser = samples)]
+    pub samples: Samples,
+
+    /// How rays are followed
+    #[arg(long, value_enum, default_value_t)]
+    pub arithmetic: ArithmeticArg,
+}
+
+/// A light as it is typed.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct LightArg {
+    /// World position.
+    pub position: [f64; 3],
+    /// Linear light, 0 and up.
+    pub color: [f32; 3],
+}
+
+/// Where the surface's direction is taken from.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum NormalsArg {
+    /// The voxel's side through which the ray came in
+    Face,
+    /// The triangle's, kept by `--materials table-normals`
+    Stored,
+    /// The six neighbours
+    Gradient,
+    /// A plane through the 3^3 voxels around
+    Plane1,
+    /// A plane through the 5^3 voxels around
+    #[default]
+    Plane2,
+    /// A plane through the 7^3 voxels around
+    Plane3,
+}
+
+/// How rays are followed.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum ArithmeticArg {
+    /// Right for every ray
+    #[default]
+    Exact,
+    /// Rounded; may miss by a voxel where a ray runs along an edge
+    F64,
+}
+
+/// What the machine may give.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Machine")]
+pub struct MachineArgs {
+    /// Threads to work with [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+
+    /// Most memory to take, such as 512M, 4G or 1.5GiB; a run that needs more stops before it takes it
+    #[arg(long, value_name = "SIZE", value_parser = memory_size)]
+    pub memory_limit: Option<u64>,
+}
+
+impl MachineArgs {
+    /// The threads that the run works on.
+    pub fn pool(&self) -> Result<rayon::ThreadPool, Error> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.unwrap_or(0).into())
+            .build()
+            .map_err(|cause| Error::new(Kind::Failure, cause).hint("try fewer --threads"))
+    }
+
+    /// Refuses to take `needed` bytes if that is over the limit; `what` names what they are for.
+    pub fn afford(&self, needed: u64, what: &str, hint: &str) -> Result<(), Error> {
+        match self.memory_limit {
+            Some(limit) if needed > limit => Err(Error::new(
+                Kind::Limit,
+                format_args!("{what} needs {needed} bytes ({}), the limit is {limit} ({})", size(needed), size(limit)),
+            )
+            .hint(hint)),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How the result is printed.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct ReportArgs {
+    /// Print the result as JSON to stdout
+    #[arg(long)]
+    pub json: bool,
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(x) if x.is_finite() => Ok(x),
+        Ok(_) => Err(format!("`{text}` is not a finite number")),
+        Err(_) => Err(format!("`{text}` is not a number")),
+    }
+}
+
+fn numbers(text: &str) -> Result<Vec<f64>, String> {
+    text.split(',').map(number).collect()
+}
+
+fn triple(text: &str) -> Result<[f64; 3], String> {
+    let found = numbers(text)?;
+    <[f64; 3]>::try_from(found).map_err(|found| format!("expected three numbers x,y,z, found {}", found.len()))
+}
+
+fn linear(parts: &[f64]) -> Result<[f32; 3], String> {
+    let mut color = [0.0; 3];
+    for (to, &from) in color.iter_mut().zip(parts) {
+        *to = from as f32;
+        if from < 0.0 || !to.is_finite() {
+            return Err(format!("a colour of {from}: expected 0 (none), 1 (full) or more"));
+        }
+    }
+    Ok(color)
+}
+
+fn colour(text: &str) -> Result<[f32; 3], String> {
+    match numbers(text)?[..] {
+        [grey] => linear(&[grey; 3]),
+        [r, g, b] => linear(&[r, g, b]),
+        ref found => Err(format!("expected one number or three r,g,b, found {}", found.len())),
+    }
+}
+
+fn light(text: &str) -> Result<LightArg, String> {
+    match numbers(text)?[..] {
+        [x, y, z] => Ok(LightArg { position: [x, y, z], color: [1.0; 3] }),
+        [x, y, z, r, g, b] => Ok(LightArg { position: [x, y, z], color: linear(&[r, g, b])? }),
+        ref found => Err(format!("expected three numbers x,y,z or six x,y,z,r,g,b, found {}", found.len())),
+    }
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if x > 0.0 { Ok(x) } else { Err("expected a number greater than 0".to_owned()) }
+}
+
+fn field_of_view(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if x > 0.0 && x < 180.0 { Ok(x) } else { Err("expected degrees above 0 and below 180".to_owned()) }
+}
+
+fn samples(text: &str) -> Result<Samples, String> {
+    text.parse().ok().and_then(Samples::new).ok_or_else(|| "expected 1, 4, 5, 16 or 64".to_owned())
+}
+
+/// Largest side of a picture: PNG readers and graphics cards stop there.
+const MAX_SIDE: u32 = 32768;
+
+fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    let expected = || format!("expected WIDTHxHEIGHT, such as 1280x720, each 1 to {MAX_SIDE}");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let side = |text: &str| text.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or_else(expected);
+    Ok([side(width)?, side(height)?])
+}
+
+fn memory_size(text: &str) -> Result<u64, String> {
+    let expected = || "expected a size such as 512M, 4G or 1.5GiB (K, M, G, T: powers of 1024)".to_owned();
+    let unit_at = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (value, unit) = text.split_at(unit_at);
+    let scale: u64 = match unit.to_ascii_lowercase().as_str() {
+        "" | "b" => 1,
+        "k" | "kib" => 1 << 10,
+        "m" | "mib" => 1 << 20,
+        "g" | "gib" => 1 << 30,
+        "t" | "tib" => 1 << 40,
+        "kb" => 1_000,
+        "mb" => 1_000_000,
+        "gb" => 1_000_000_000,
+        "tb" => 1_000_000_000_000,
+        _ => return Err(expected()),
+    };
+    let bytes = value.parse::<f64>().map_err(|_| expected())? * scale as f64;
+    if bytes >= 1.0 && bytes < u64::MAX as f64 { Ok(bytes as u64) } else { Err(expected()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_of_memory() {
+        assert_eq!(memory_size("512M"), Ok(512 << 20));
+        assert_eq!(memory_size("1.5GiB"), Ok(3 << 29));
+        assert_eq!(memory_size("2gb"), Ok(2_000_000_000));
+        assert_eq!(memory_size("77"), Ok(77));
+        for wrong in ["", "0", "G", "4X", "-1G", "1e3", "1..2", "99999999999T"] {
+            assert!(memory_size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn vectors_are_finite_and_have_the_right_length() {
+        assert_eq!(triple("-1,2.5,3e2"), Ok([-1.0, 2.5, 300.0]));
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,nan", "inf,0,0", "1e999,0,0", "a,b,c", "1,,2"] {
+            assert!(triple(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!(colour("0.5"), Ok([0.5; 3]));
+        assert!(colour("-0.1").is_err() && colour("1,2").is_err() && colour("1e300").is_err());
+        assert_eq!(light("1,2,3").unwrap().color, [1.0; 3]);
+        assert!(light("1,2,3,4").is_err());
+    }
+
+    #[test]
+    fn sizes_of_pictures() {
+        assert_eq!(picture_size("640x480"), Ok([640, 480]));
+        for wrong in ["640", "0x1", "1x0", "40000x1", "-1x5", "axb"] {
+            assert!(picture_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Outputs that are whole or not there: they grow under a temporary name beside their place and are renamed at the end.
+//!
+//! An output never replaces a file that the run reads, under whatever name, and never anything but a regular file.
+//! Ctrl-C (and SIGTERM) removes what is half written and exits with 130.
+
+use std::fs::File;
+use std::io::{BufWriter, IsTerminal};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+
+use tempfile::NamedTempFile;
+
+use crate::error::{Error, INTERRUPTED, Result};
+
+/// Temporary files to remove when the run is interrupted.
+static HALF_WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn half_written() -> MutexGuard<'static, Vec<PathBuf>> {
+    HALF_WRITTEN.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
+}
+
+/// From here on Ctrl-C cleans up and exits with 130.
+pub fn clean_up_when_interrupted() {
+    let handler = || {
+        // The lock is kept, so that no file appears between here and the exit.
+        let files = half_written();
+        for file in files.iter() {
+            let _ = std::fs::remove_file(file);
+        }
+        // A progress line may stand there.
+        let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
+        eprintln!("{clear}interrupted: no output was written");
+        std::process::exit(INTERRUPTED);
+    };
+    // Without a handler an interrupt still ends the program; only a temporary file may stay.
+    if let Err(cause) = ctrlc::set_handler(handler) {
+        eprintln!("warning: Ctrl-C will not clean up: {cause}");
+    }
+}
+
+/// A file on its way.
+pub struct Output {
+    file: NamedTempFile,
+    /// Where the user asked for it.
+    path: PathBuf,
+    /// Where it goes: `path`, with a symbolic link followed.
+    place: PathBuf,
+}
+
+impl Output {
+    /// Opens the way to `path`, which must end in `.extension`. Fails before any work is done if it cannot be written.
+    pub fn create(path: &Path, extension: &str) -> Result<Output> {
+        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension)) {
+            return Err(Error::usage(format_args!("{}: expected a name that ends in .{extension}", path.display()))
+                .hint(format_args!("try -o {}", crate::report::shell_word(&path.with_extension(extension)))));
+        }
+        let place = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+        if let Ok(found) = std::fs::metadata(&place)
+            && !found.is_file()
+        {
+            return Err(Error::write(path, "it is there already and is not a regular file"));
+        }
+        let folder = match place.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(".voxdag-").suffix(".tmp");
+        // As `File::create` would have it; temporary files are private by default.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+
+        // Created and noted under the lock: an interrupt sees both or neither.
+        let mut files = half_written();
+        let file = builder.tempfile_in(folder).map_err(|cause| {
+            let error = Error::write(path, cause.kind());
+            if folder.is_dir() { error } else { error.hint(format_args!("create {} first", folder.display())) }
+        })?;
+        files.push(file.path().to_path_buf());
+        Ok(Output { file, path: path.to_path_buf(), place })
+    }
+
+    /// Refuses to replace any of the `inputs`, also through links or another spelling of the path.
+    pub fn must_not_replace(&self, inputs: &[PathBuf]) -> Result<()> {
+        match inputs.iter().find(|input| same_file::is_same_file(input, &self.place).unwrap_or(false)) {
+            Some(input) => Err(Error::usage(format_args!(
+                "{}: is the input {}, which is never overwritten",
+                self.path.display(),
+                input.display()
+            ))
+            .hint("give -o another name")),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the content, and puts the file into its place.
+    pub fn finish(self, write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>) -> Result<()> {
+        let failed = |cause: std::io::Error| Error::write(&self.path, cause);
+        let mut writer = BufWriter::new(self.file.as_file());
+        write(&mut writer).map_err(failed)?;
+        writer.into_inner().map_err(|e| failed(e.into_error()))?;
+        let temporary = self.file.path().to_path_buf();
+        let mut files = half_written();
+        self.file.persist(&self.place).map_err(|e| Error::write(&self.path, e.error))?;
+        files.retain(|f| *f != temporary);
+        Ok(())
+    }
+}

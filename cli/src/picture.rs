@@ -1,0 +1,202 @@
+//! From a scene to pixels, rows on all cores, and from pixels to a PNG.
+
+use std::io::Write;
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use image::{ExtendedColorType, ImageEncoder};
+use rayon::prelude::*;
+use serde::Serialize;
+use voxdag::camera::Camera;
+use voxdag::file::Scene;
+use voxdag::grid::Bounds;
+use voxdag::grid::UpAxis;
+use voxdag::material::MaterialId;
+use voxdag::materials::AnyMaterials;
+use voxdag::normal::NormalKind;
+use voxdag::render::{Counters, Settings, View, render_rows};
+use voxdag::shade::{Light, LightKind, has_highlight};
+use voxdag::trace::Arithmetic;
+use voxdag::{Dag, Grid, Material};
+
+use crate::error::{Error, Kind, Result};
+use crate::options::{ArithmeticArg, MachineArgs, NormalsArg, PictureArgs};
+use crate::progress::Progress;
+use crate::report::grouped;
+
+/// A finished picture and what it took.
+pub struct Picture {
+    pub width: u32,
+    pub height: u32,
+    /// Row by row from the top left; red in the lowest byte.
+    pixels: Vec<u32>,
+    pub rays: Rays,
+    /// Primary rays that hit a voxel.
+    pub hits: u64,
+    /// Names of what the scene called for.
+    pub effects: Vec<&'static str>,
+    pub trace: Duration,
+}
+
+/// Rays by their purpose.
+#[derive(Clone, Copy, Serialize)]
+pub struct Rays {
+    pub primary: u64,
+    pub shadow: u64,
+    pub secondary: u64,
+}
+
+/// What is drawn.
+pub struct Shown<'a> {
+    pub grid: Grid,
+    /// The mesh's box.
+    pub bounds: Bounds,
+    pub up: UpAxis,
+    pub dag: Dag<'a>,
+    pub materials: AnyMaterials<'a>,
+    pub palette: Vec<Material>,
+}
+
+/// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
+const BAND: usize = 4;
+
+/// Draws on the threads of the current pool.
+pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Picture> {
+    let [width, height] = args.size;
+    // Once as pixels and once as bytes for the encoder.
+    let needed = 8 * u64::from(width) * u64::from(height);
+    machine.afford(
+        needed,
+        &format!("a picture of {width}x{height}"),
+        "make --size smaller or --memory-limit larger",
+    )?;
+    let mut pixels = Vec::new();
+    pixels.try_reserve_exact(width as usize * height as usize).map_err(|_| {
+        Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))
+            .hint("make --size smaller")
+    })?;
+    pixels.resize(width as usize * height as usize, 0);
+
+    let camera = camera(scene, args)?;
+    let lights = lights(scene, &camera, args);
+    let settings = settings(scene, args)?;
+    // Chosen once, so that the rays run in code for one representation of materials.
+    let band = |rows: Range<u32>, pixels: &mut [u32]| {
+        let (dag, palette, grid, lights) = (scene.dag, &scene.palette[..], scene.grid, &lights[..]);
+        match scene.materials {
+            AnyMaterials::Single(materials) => {
+                render_rows(&View { dag, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+            }
+            AnyMaterials::Table(materials) => {
+                render_rows(&View { dag, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+            }
+        }
+    };
+
+    let start = Instant::now();
+    let progress = Progress::stage("drawing", u64::from(height.div_ceil(BAND as u32)));
+    let counters = pixels
+        .par_chunks_mut(BAND * width as usize)
+        .enumerate()
+        .map(|(i, pixels)| {
+            let first = (i * BAND) as u32;
+            let counters = band(first..(first + BAND as u32).min(height), pixels);
+            progress.step();
+            counters
+        })
+        .try_reduce(Counters::default, |mut sum, more| {
+            sum += more;
+            Ok(sum)
+        })
+        .map_err(|error| Error::new(Kind::Failure, error))?;
+    drop(progress);
+
+    let highlights = !lights.is_empty() && scene.palette.iter().any(has_highlight);
+    Ok(Picture {
+        width,
+        height,
+        pixels,
+        rays: Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary },
+        hits: counters.hits,
+        effects: if highlights { vec!["highlights"] } else { Vec::new() },
+        trace: start.elapsed(),
+    })
+}
+
+/// The camera that the flags describe; what they leave out frames the mesh's box.
+fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
+    let framing = Camera::framing(&scene.bounds, scene.up);
+    let target = args.target.unwrap_or(framing.target);
+    // The default eye keeps its distance and direction from wherever the target is.
+    let eye = std::array::from_fn(|i| target[i] + (framing.eye[i] - framing.target[i]));
+    let camera =
+        Camera { eye: args.eye.unwrap_or(eye), target, up: args.view_up.unwrap_or(framing.up), fov_y: args.fov };
+    camera.checked().map_err(|error| Error::usage(error).hint("see --eye, --target and --fov"))
+}
+
+/// The lights that the flags describe, or the default one.
+fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> {
+    if args.lights.is_empty() {
+        return vec![camera.headlight(scene.bounds.radius())];
+    }
+    args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color }).collect()
+}
+
+fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
+    if args.normals == NormalsArg::Stored && !scene.has_normals() {
+        return Err(Error::usage("--normals stored: the scene has no stored normals")
+            .hint("build it with --materials table-normals"));
+    }
+    Ok(Settings {
+        width: args.size[0],
+        height: args.size[1],
+        samples: args.samples,
+        normals: match args.normals {
+            NormalsArg::Face => NormalKind::Face,
+            NormalsArg::Stored => NormalKind::Stored,
+            NormalsArg::Gradient => NormalKind::Gradient,
+            NormalsArg::Plane1 => NormalKind::Plane1,
+            NormalsArg::Plane2 => NormalKind::Plane2,
+            NormalsArg::Plane3 => NormalKind::Plane3,
+        },
+        arithmetic: match args.arithmetic {
+            ArithmeticArg::Exact => Arithmetic::Exact,
+            ArithmeticArg::F64 => Arithmetic::F64,
+        },
+        ambient: args.ambient,
+        ..Settings::default()
+    })
+}
+
+impl<'a> Shown<'a> {
+    /// What a file holds.
+    pub fn of(scene: &Scene<'a>) -> Shown<'a> {
+        let Scene { grid, bounds, up, dag, materials, .. } = *scene;
+        let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
+        Shown { grid, bounds, up, dag, materials, palette }
+    }
+
+    fn has_normals(&self) -> bool {
+        matches!(self.materials, AnyMaterials::Table(table) if table.has_normals())
+    }
+}
+
+impl Rays {
+    /// For people; kinds that did not occur are left out.
+    pub fn text(&self) -> String {
+        let kinds = [("primary", self.primary), ("shadow", self.shadow), ("secondary", self.secondary)];
+        let parts: Vec<_> =
+            kinds.iter().filter(|k| k.1 > 0).map(|(name, n)| format!("{} {name}", grouped(*n))).collect();
+        parts.join(", ")
+    }
+}
+
+impl Picture {
+    /// Encodes the picture as PNG.
+    pub fn write_png(&self, file: impl Write) -> std::io::Result<()> {
+        let bytes: Vec<u8> = self.pixels.iter().flat_map(|p| p.to_le_bytes()).collect();
+        image::codecs::png::PngEncoder::new(file)
+            .write_image(&bytes, self.width, self.height, ExtendedColorType::Rgba8)
+            .map_err(std::io::Error::other)
+    }
+}

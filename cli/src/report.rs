@@ -1,0 +1,152 @@
+//! What a command says at its end: aligned lines for people or one JSON object for programs, both on stdout; warnings
+//! and the next command to type on stderr.
+
+use std::io::{IsTerminal, Write};
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::error::{Error, Kind, Result};
+
+/// Rows of a label and what there is to say about it.
+#[derive(Default)]
+pub struct Lines(Vec<(String, String)>);
+
+impl Lines {
+    /// Adds a row.
+    pub fn row(&mut self, label: impl Into<String>, value: impl Into<String>) -> &mut Lines {
+        self.0.push((label.into(), value.into()));
+        self
+    }
+
+    /// The rows below each other, their values aligned.
+    fn text(&self) -> String {
+        let width = self.0.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+        self.0.iter().map(|(label, value)| format!("{label:width$}  {value}").trim_end().to_owned() + "\n").collect()
+    }
+}
+
+/// Prints the result to stdout: `data` as JSON if asked for, otherwise the lines.
+pub fn result(json: bool, data: &impl Serialize, lines: &Lines) -> Result<()> {
+    let text = if json {
+        // Keys stay in the order of the fields; f64 are written with the digits that bring the same bits back.
+        serde_json::to_string_pretty(data).map_err(|e| Error::new(Kind::Failure, e))? + "\n"
+    } else {
+        lines.text()
+    };
+    print(text.as_bytes())
+}
+
+/// Writes to stdout.
+pub fn print(text: &[u8]) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text).and_then(|()| out.flush()) {
+        // A reader that has seen enough (`| head`) is no failure.
+        Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => {
+            Err(Error::new(Kind::Failure, format_args!("cannot write to stdout: {e}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a warning: the run goes on.
+pub fn warning(message: impl std::fmt::Display) {
+    eprintln!("warning: {message}");
+}
+
+/// Prints the next command to type: `arguments` follow the program's name, paths as [`shell_word`] gives them.
+pub fn next(arguments: impl std::fmt::Display) {
+    // An empty line sets it apart from the result where both end up on one screen.
+    let gap = if std::io::stdout().is_terminal() && std::io::stderr().is_terminal() { "\n" } else { "" };
+    eprintln!("{gap}next: {} {arguments}", program());
+}
+
+/// A path as it must be typed: in quotes if the shell would take it apart.
+pub fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let plain = |c: char| c.is_alphanumeric() || "/\\._-+,=:@%".contains(c);
+    if !text.is_empty() && text.chars().all(plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
+/// The program as it was called: through cargo, by a path, or by its name.
+fn program() -> String {
+    let typed = std::env::args_os().next().unwrap_or_default();
+    let typed = Path::new(&typed);
+    let in_target = typed.components().any(|part| part.as_os_str() == "target");
+    if in_target && std::env::var_os("CARGO_MANIFEST_DIR").is_some() {
+        return if cfg!(debug_assertions) { "cargo run --" } else { "cargo run --release --" }.to_owned();
+    }
+    if typed.as_os_str().is_empty() { "voxdag".to_owned() } else { shell_word(typed) }
+}
+
+/// A whole number with its digits in groups of three.
+pub fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut out = String::with_capacity(digits.len() * 4 / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// A number of bytes in the unit that suits it.
+pub fn size(bytes: u64) -> String {
+    const UNITS: [&str; 5] = ["bytes", "KiB", "MiB", "GiB", "TiB"];
+    let mut unit = 0;
+    let mut value = bytes as f64;
+    while value >= 1024.0 && unit + 1 < UNITS.len() {
+        value /= 1024.0;
+        unit += 1;
+    }
+    match unit {
+        0 => format!("{bytes} bytes"),
+        _ if value < 10.0 => format!("{value:.2} {}", UNITS[unit]),
+        _ => format!("{value:.1} {}", UNITS[unit]),
+    }
+}
+
+/// A time in seconds, with as many digits as mean something.
+pub fn seconds(ms: f64) -> String {
+    let s = ms / 1000.0;
+    if s < 10.0 { format!("{s:.2} s") } else { format!("{s:.1} s") }
+}
+
+/// How much sharing saves: nodes of the octree, and unique nodes of the DAG.
+pub fn sharing(octree: u64, dag: u64) -> String {
+    let percent = if octree == 0 { 100.0 } else { 100.0 * dag as f64 / octree as f64 };
+    format!("octree {} -> DAG {} ({percent:.2} %)", grouped(octree), grouped(dag))
+}
+
+/// The peak of memory, where the system says it.
+pub fn peak(bytes: Option<u64>) -> String {
+    bytes.map_or("peak unknown on this system".to_owned(), |bytes| format!("{} at its peak", size(bytes)))
+}
+
+/// Three numbers, each with the digits that bring the same bits back.
+pub fn triple(v: [f64; 3]) -> String {
+    format!("{}, {}, {}", v[0], v[1], v[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_grouped_and_sized() {
+        assert_eq!([0, 999, 1000, 8_213_456].map(grouped), ["0", "999", "1,000", "8,213,456"]);
+        assert_eq!(
+            [0, 1023, 1024, 999_376, 1 << 30].map(size),
+            ["0 bytes", "1023 bytes", "1.00 KiB", "976.0 KiB", "1.00 GiB"]
+        );
+    }
+
+    #[test]
+    fn paths_are_quoted_only_where_a_shell_needs_it() {
+        assert_eq!(shell_word(Path::new("a/b-1.vxd")), "a/b-1.vxd");
+        assert_eq!(shell_word(Path::new("my bunny.vxd")), "'my bunny.vxd'");
+        assert_eq!(shell_word(Path::new("it's")), r"'it'\''s'");
+    }
+}

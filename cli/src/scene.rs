@@ -1,0 +1,374 @@
+//! From a mesh file to the words of a `.vxd`, subtrees on all cores.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use voxdag::build::{BuildError, DagBuf};
+use voxdag::dag::Stats;
+use voxdag::file::{self, LoadError, Parts, Scene};
+use voxdag::grid::UpAxis;
+use voxdag::grid::{Bounds, Grid, GridError};
+use voxdag::materials::{AnyMaterials, Single};
+use voxdag::mesh::MeshError;
+use voxdag::obj::{self, ImportError, Model, Warning};
+use voxdag::scene::{Build, MaterialMode, Options, SceneError};
+use voxdag::table::TableBuf;
+use voxdag::voxelize::{Cover, VoxelizeError};
+use voxdag::{Dag, Material, Mesh};
+
+use crate::error::{Error, Kind, Result};
+use crate::input::Companions;
+use crate::options::{BuildArgs, CoverArg, MachineArgs, MaterialsArg, UpAxisArg};
+use crate::ordered::in_order;
+use crate::picture::Shown;
+use crate::progress::Progress;
+use crate::report::{self, grouped, size, triple};
+use crate::stats;
+
+/// Voxels along the longest axis where nobody says otherwise.
+const DEFAULT_RESOLUTION: u32 = 512;
+/// Warnings about a mesh that are printed one by one.
+const MAX_WARNINGS: usize = 10;
+
+/// A mesh that was read.
+pub struct Source {
+    /// The name that messages give it.
+    path: PathBuf,
+    pub model: Model,
+    /// The mesh's file and those that it names.
+    pub files: Vec<PathBuf>,
+    /// Time to parse it.
+    parse_time: Duration,
+}
+
+/// Parses the text of the mesh at `path`, with the files beside it.
+pub fn import_file(path: &Path, text: Vec<u8>) -> Result<Source> {
+    let mut beside = Companions::of(path);
+    let mut source = import(path, &text, |name| beside.resolve(name))?;
+    source.files = beside.read;
+    Ok(source)
+}
+
+/// Parses the text of a mesh; `resolve` gives the files that it names. Warnings go to stderr.
+pub fn import(path: &Path, text: &[u8], resolve: impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Source> {
+    let progress = Progress::stage("reading", 0);
+    let (model, parse_time) = stats::timed(|| obj::import(text, resolve));
+    drop(progress);
+    let model = model.map_err(|ImportError(note)| Error::new(Kind::BadInput, place(path, &note)))?;
+    for note in model.warnings.iter().take(MAX_WARNINGS) {
+        report::warning(place(path, note));
+    }
+    if model.warnings.len() > MAX_WARNINGS {
+        let more = model.warnings.len() - MAX_WARNINGS;
+        report::warning(format_args!("{}: and {more} more", path.display()));
+    }
+    Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time })
+}
+
+/// Lays the grid out as the flags say.
+fn grid(bounds: &Bounds, args: &BuildArgs) -> std::result::Result<Grid, GridError> {
+    // A given origin stands for the box's minimum: the grid reaches from there to the mesh's far side.
+    let reach =
+        args.origin.map_or(*bounds, |min| Bounds { min, max: std::array::from_fn(|i| bounds.max[i].max(min[i])) });
+    match (args.voxel_size, args.resolution) {
+        (Some(voxel_size), Some(resolution)) => Grid { origin: reach.min, voxel_size, resolution }.checked(),
+        (Some(voxel_size), None) => Grid::with_voxel_size(&reach, voxel_size),
+        (None, resolution) => Grid::fit(&reach, resolution.unwrap_or(DEFAULT_RESOLUTION)),
+    }
+}
+
+/// A scene that was built, and what it took.
+pub struct Built {
+    pub grid: Grid,
+    bounds: Bounds,
+    up: UpAxis,
+    dag: DagBuf,
+    table: Option<TableBuf>,
+    materials: Vec<Material>,
+    names: Vec<String>,
+    pub triangles: usize,
+    pub stats: Stats,
+    pub cost: Cost,
+}
+
+/// Time by stage; a stage that overlaps another on other threads counts the time that the run waited for it.
+#[derive(Clone, Copy)]
+pub struct Cost {
+    pub parse: Duration,
+    /// Triangles to bricks, and bricks to subtrees.
+    pub voxelize: Duration,
+    /// Joining the subtrees.
+    pub reduce: Duration,
+    pub materials: Duration,
+}
+
+/// Bytes of a scene by what they hold.
+#[derive(Clone, Copy, Serialize)]
+pub struct Bytes {
+    pub nodes: u64,
+    pub bricks: u64,
+    /// The table from voxel to material.
+    pub materials: u64,
+    /// Header, parameters and names of the materials.
+    pub other: u64,
+    /// All together.
+    pub file: u64,
+}
+
+impl Bytes {
+    /// Of a file of `file` bytes.
+    pub fn of(dag: Dag<'_>, materials: AnyMaterials<'_>, file: u64) -> Bytes {
+        let bricks = 8 * u64::from(dag.brick_count());
+        let nodes = 4 * dag.words().len() as u64 - bricks;
+        let materials = match materials {
+            AnyMaterials::Single(_) => 0,
+            AnyMaterials::Table(table) => 4 * table.words().len() as u64,
+        };
+        Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
+    }
+
+    /// For people.
+    pub fn text(&self) -> String {
+        let Bytes { nodes, bricks, materials, .. } = *self;
+        format!(
+            "{} ({}): nodes {}, bricks {}, materials {}",
+            grouped(self.file),
+            size(self.file),
+            size(nodes),
+            size(bricks),
+            size(materials)
+        )
+    }
+}
+
+/// Builds the scene on the threads of the current pool.
+pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result<Built> {
+    let mesh = source.model.mesh();
+    let bounds = mesh.validate().map_err(|error| refused(source, SceneError::Voxelize(VoxelizeError::Mesh(error))))?;
+    let grid = grid(&bounds, args).map_err(|error| grid_error(source, error))?;
+    contains(source, &grid, &bounds)?;
+    let held = bytes_of(&mesh);
+    let refused = |error| match error {
+        SceneError::Limit { needed, .. } => over_limit(source, machine, &grid, needed + held),
+        SceneError::Reduce(BuildError::Words { needed }) => over_limit(source, machine, &grid, 4 * needed + held),
+        error => refused(source, error),
+    };
+
+    // Sort the triangles into parts, build the parts on all threads and join them as they come.
+    let options = Options {
+        cover: match args.cover.unwrap_or_default() {
+            CoverArg::Exact => Cover::Exact,
+            CoverArg::Thin => Cover::Thin,
+            CoverArg::Inflated => Cover::Inflated,
+        },
+        materials: match args.materials.unwrap_or_default() {
+            MaterialsArg::Table => MaterialMode::Table,
+            MaterialsArg::TableNormals => MaterialMode::TableNormals,
+            MaterialsArg::None => MaterialMode::None,
+        },
+        memory_limit: machine.memory_limit.map(|limit| limit.saturating_sub(held)),
+    };
+    let start = Instant::now();
+    let build = Build::new(&mesh, &grid, &options).map_err(refused)?;
+    let mut join = build.join().map_err(refused)?;
+    let mut reduce = Duration::ZERO;
+    let progress = Progress::stage("voxelizing", build.parts() as u64);
+    let joined = in_order(
+        build.parts(),
+        |part| build.part(part),
+        |parts| {
+            for part in parts {
+                let part = part?;
+                let (added, time) = stats::timed(|| join.add(part));
+                added?;
+                reduce += time;
+                progress.step();
+            }
+            Ok(())
+        },
+    );
+    drop(progress);
+    joined.map_err(refused)?;
+    let (finished, time) = stats::timed(|| join.finish());
+    let (dag, pending) = finished.map_err(refused)?;
+    reduce += time;
+    let voxelize = start.elapsed().saturating_sub(reduce);
+
+    // Look up who owns each voxel.
+    let progress = Progress::stage("materials", 0);
+    let (table, materials_time) = stats::timed(|| pending.into_table(&dag.dag()));
+    drop(progress);
+    let table = table.map_err(refused)?;
+    let (materials, names) = match table {
+        Some(_) => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
+        None => (vec![Material::GREY], vec!["grey".to_owned()]),
+    };
+
+    Ok(Built {
+        grid,
+        bounds,
+        up: match args.up_axis.unwrap_or_default() {
+            UpAxisArg::Y => UpAxis::Y,
+            UpAxisArg::Z => UpAxis::Z,
+        },
+        stats: count(dag.dag())?,
+        dag,
+        table,
+        materials,
+        names,
+        triangles: mesh.triangles.len(),
+        cost: Cost { parse: source.parse_time, voxelize, reduce, materials: materials_time },
+    })
+}
+
+impl Built {
+    fn voxel_materials(&self) -> AnyMaterials<'_> {
+        match &self.table {
+            Some(table) => AnyMaterials::Table(table.as_table()),
+            None => AnyMaterials::Single(Single(0)),
+        }
+    }
+
+    /// The scene as it is drawn.
+    pub fn shown(&self) -> Shown<'_> {
+        Shown {
+            grid: self.grid,
+            bounds: self.bounds,
+            up: self.up,
+            dag: self.dag.dag(),
+            materials: self.voxel_materials(),
+            palette: self.materials.clone(),
+        }
+    }
+
+    /// Gives the `.vxd` file to `use_parts`.
+    fn with_parts<T>(&self, use_parts: impl FnOnce(Parts<'_>) -> T) -> T {
+        let names: Vec<_> = self.names.iter().map(String::as_str).collect();
+        use_parts(Parts {
+            grid: self.grid,
+            bounds: self.bounds,
+            up: self.up,
+            metres_per_unit: 0.0,
+            dag: self.dag.dag(),
+            voxel_materials: self.voxel_materials(),
+            materials: &self.materials,
+            names: &names,
+        })
+    }
+
+    /// Bytes that the `.vxd` file has.
+    pub fn bytes(&self) -> Bytes {
+        let file = self.with_parts(|parts| 4 * parts.file_len());
+        Bytes::of(self.dag.dag(), self.voxel_materials(), file)
+    }
+
+    /// Writes the `.vxd` file; the DAG and the table go out as they are.
+    pub fn write(&self, mut file: impl Write) -> std::io::Result<()> {
+        self.with_parts(|parts| {
+            let mut head = vec![0; parts.head_len() as usize];
+            parts.write_head(&mut head).map_err(std::io::Error::other)?;
+            write_words(&head, &mut file)?;
+            parts.body().into_iter().try_for_each(|words| write_words(words, &mut file))
+        })
+    }
+}
+
+/// Checks the words of the scene at `path`.
+pub fn open<'a>(path: &Path, words: &'a [u32]) -> Result<Scene<'a>> {
+    file::read(words).map_err(|error| {
+        let hint = match error {
+            LoadError::Version { .. } => {
+                "build it again with this version of voxdag, or read it with the one that wrote it"
+            }
+            _ => "copy it again from where it was whole, or build it again",
+        };
+        Error::input(path, error).hint(hint)
+    })
+}
+
+/// Counts voxels and nodes.
+pub fn count(dag: Dag<'_>) -> Result<Stats> {
+    dag.stats()
+        .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
+}
+
+/// What a mesh takes in memory.
+fn bytes_of(mesh: &Mesh<'_>) -> u64 {
+    let Mesh { positions, triangles, materials, name_order, uvs, normals } = *mesh;
+    let sizes = [size_of_val(positions), size_of_val(triangles), size_of_val(materials), size_of_val(name_order)];
+    sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum()
+}
+
+/// Refuses a mesh that reaches out of a grid that was chosen by hand.
+fn contains(source: &Source, grid: &Grid, bounds: &Bounds) -> Result<()> {
+    if grid.snap(bounds.min).is_some() && grid.snap(bounds.max).is_some() {
+        return Ok(());
+    }
+    let end = grid.to_world([f64::from(grid.resolution); 3]);
+    Err(Error::usage(format_args!(
+        "{}: the mesh spans {} to {}, the grid only {} to {}",
+        source.path.display(),
+        triple(bounds.min),
+        triple(bounds.max),
+        triple(grid.origin),
+        triple(end)
+    ))
+    .hint("move --origin, or raise --resolution or --voxel-size"))
+}
+
+fn grid_error(source: &Source, error: GridError) -> Error {
+    match error {
+        GridError::Resolution { .. } => {
+            Error::new(Kind::Limit, format_args!("{}: {error}", source.path.display())).hint("make --voxel-size larger")
+        }
+        _ => Error::input(&source.path, error),
+    }
+}
+
+fn over_limit(source: &Source, machine: &MachineArgs, grid: &Grid, needed: u64) -> Error {
+    let what = format!("{} at resolution {}", source.path.display(), grid.resolution);
+    let coarser = (grid.resolution / 2).max(1);
+    match machine.afford(needed, &what, &format!("try -r {coarser}, or --memory-limit {}", round_up(needed))) {
+        Err(error) => error,
+        // The format itself ends here, not the memory.
+        Ok(()) => Error::new(Kind::Limit, format_args!("{what} has more nodes than a file can number"))
+            .hint(format_args!("try -r {coarser}")),
+    }
+}
+
+/// A size as it can be typed, a quarter larger.
+fn round_up(bytes: u64) -> String {
+    let mebibytes = (bytes + bytes / 4).div_ceil(1 << 20);
+    if mebibytes < 4096 { format!("{mebibytes}M") } else { format!("{}G", mebibytes.div_ceil(1024)) }
+}
+
+/// Why the core builds nothing, in this program's words.
+fn refused(source: &Source, error: SceneError) -> Error {
+    let path = &source.path;
+    match error {
+        SceneError::Voxelize(VoxelizeError::Grid(error)) => grid_error(source, error),
+        SceneError::Voxelize(VoxelizeError::Mesh(MeshError::Empty)) => Error::input(path, "there are no faces in it")
+            .hint("expected lines such as `f 1 2 3`; points and lines are not made into voxels"),
+        SceneError::Voxelize(VoxelizeError::Mesh(error)) => Error::input(path, error),
+        error => Error::new(Kind::Failure, format_args!("{}: {error}", path.display())).hint("try a smaller -r"),
+    }
+}
+
+/// Where a message of the importer belongs: into the mesh or into a library beside it.
+fn place(path: &Path, note: &Warning) -> String {
+    let file = if note.file.is_empty() { path.to_path_buf() } else { path.with_file_name(&note.file) };
+    format!("{}:{}: {}", file.display(), note.line, note.message)
+}
+
+/// Writes words as little-endian bytes, piece by piece.
+fn write_words(words: &[u32], mut file: impl Write) -> std::io::Result<()> {
+    let mut piece = Vec::with_capacity(1 << 16);
+    for words in words.chunks(1 << 14) {
+        piece.clear();
+        piece.extend(words.iter().flat_map(|w| w.to_le_bytes()));
+        file.write_all(&piece)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,184 @@
+//! What goes wrong ends with the right exit code, names the place, says what to do and leaves nothing half done.
+
+mod common;
+use common::{OBJ, Sandbox};
+
+#[test]
+fn usage_errors_exit_with_2() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd -r 8");
+    let before = s.files();
+    for (line, words) in [
+        ("frobnicate", &["frobnicate"][..]),
+        ("build box.obj", &["--output"]),
+        ("build box.obj -o out.vxd -r 0", &["1..=2097152"]),
+        ("build box.obj -o out.vxd -r 2097153", &["1..=2097152"]),
+        ("build box.obj -o out.vxd -r 64 --voxel-size 0.1", &["--origin"]),
+        ("build box.obj -o out.vxd --voxel-size nan", &["finite"]),
+        ("build box.obj -o out.vxd --voxel-size -1", &["greater than 0"]),
+        ("build box.obj -o out.vxd --origin 1,2", &["three numbers"]),
+        ("build box.obj -o out.vxd --memory-limit lots", &["512M"]),
+        ("build box.obj -o out.vxd --threads 0", &["1..=1024"]),
+        ("build box.obj -o out.txt", &["out.txt", ".vxd"]),
+        ("render box.obj -o out.jpg", &["out.jpg", ".png"]),
+        ("render box.obj -o out.png --eye 1,2,inf", &["finite"]),
+        ("render box.obj -o out.png --eye 1,x,3", &["`x` is not a number"]),
+        ("render box.obj -o out.png --size 0x5", &["1280x720"]),
+        ("render box.obj -o out.png --samples 3", &["1, 4, 5, 16 or 64"]),
+        ("render box.obj -o out.png --fov 180", &["below 180"]),
+        ("render box.obj -o out.png --light 1,2", &["x,y,z,r,g,b"]),
+        ("render box.obj -o out.png --ambient -1", &["0 (none)"]),
+        ("render box.obj -o out.png --eye 1,1,1 --target 1,1,1", &["--eye", "--target"]),
+        ("render box.vxd -o out.png -r 64", &["--resolution", "box.vxd"]),
+    ] {
+        s.run(line).fails(2, words);
+    }
+    assert_eq!(s.files(), before);
+}
+
+#[test]
+fn bad_input_exits_with_3_and_names_file_and_line() {
+    let s = Sandbox::new();
+    s.write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n\nf 1 2 9\n");
+    s.write("number.obj", "v 0 0 0\nv 1 zwei 0\nv 0 1 0\nf 1 2 3\n");
+    s.write("nan.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n");
+    s.write("empty.obj", "");
+    s.write("points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
+    s.write("fake.vxd", OBJ);
+    s.write("mesh.stl", "solid");
+    let before = s.files();
+    for (line, words) in [
+        ("build index.obj -o out.vxd", &["index.obj:6:", "9"][..]),
+        ("build number.obj -o out.vxd", &["number.obj:2:", "zwei"]),
+        ("render nan.obj -o out.png", &["nan.obj:3:"]),
+        ("build empty.obj -o out.vxd", &["empty.obj"]),
+        ("build points.obj -o out.vxd", &["points.obj"]),
+        ("build no-such.obj -o out.vxd", &["no-such.obj", "no such file"]),
+        ("build . -o out.vxd", &["folder"]),
+        ("render fake.vxd -o out.png", &["fake.vxd", "not a voxdag scene"]),
+        ("info box.obj", &["box.obj", "not a voxdag scene", "voxdag build box.obj"]),
+        ("verify no-such.vxd", &["no-such.vxd", "no such file"]),
+        ("render mesh.stl -o out.png", &["mesh.stl", ".obj"]),
+    ] {
+        s.run(line).fails(3, words);
+    }
+    assert_eq!(s.files(), before);
+}
+
+#[test]
+fn a_mesh_that_reaches_out_of_a_chosen_grid_is_refused() {
+    let s = Sandbox::new();
+    s.run("build box.obj -o out.vxd -r 4 --voxel-size 0.1 --origin 0,0,0")
+        .fails(2, &["box.obj", "0.4, 0.4, 0.4", "--origin"]);
+    s.run("build box.obj -o out.vxd -r 64 --origin 1,0,0").fails(2, &["box.obj", "1, 0, 0", "--origin"]);
+    s.ok("build box.obj -o out.vxd -r 64 --voxel-size 0.1 --origin -1,-1,-1");
+}
+
+#[test]
+fn a_damaged_scene_is_refused_wherever_the_damage_is() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd -r 16");
+    let whole = s.read("box.vxd");
+    let step = (whole.len() / 97).max(1);
+    for at in (0..whole.len()).step_by(step) {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 0x10;
+        s.write("bad.vxd", &bytes);
+        s.run("verify bad.vxd").fails(3, &["bad.vxd"]);
+    }
+    for length in [0, 1, 3, 4, 64, whole.len() - 4, whole.len() - 1] {
+        s.write("bad.vxd", &whole[..length]);
+        for command in ["verify bad.vxd", "info bad.vxd", "render bad.vxd -o out.png"] {
+            s.run(command).fails(3, &["bad.vxd"]);
+        }
+    }
+}
+
+#[test]
+fn memory_over_the_limit_exits_with_4_and_says_how_much_is_needed() {
+    let s = Sandbox::new();
+    s.run("build box.obj -o out.vxd -r 2048 --memory-limit 1M").fails(4, &["bytes", "--memory-limit", "hint:"]);
+    s.run("render box.obj -o out.png -r 8 --size 8000x8000 --memory-limit 100M").fails(4, &["bytes", "hint:"]);
+    assert_eq!(s.files(), ["box.mtl", "box.obj"]);
+    s.ok("build box.obj -o out.vxd -r 64 --memory-limit 1GiB");
+}
+
+#[test]
+fn the_input_is_never_overwritten() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd -r 8");
+    // A mesh may have any name: content decides what a file is.
+    s.write("mesh.vxd.obj", OBJ);
+    std::fs::rename(s.path("mesh.vxd.obj"), s.path("mesh.png")).unwrap();
+    std::fs::create_dir(s.path("sub")).unwrap();
+    let scene = s.read("box.vxd");
+    s.write("picture.png", &scene);
+    for line in ["render picture.png -o picture.png", "render picture.png -o sub/../picture.png"] {
+        s.run(line).fails(2, &["picture.png", "never overwritten"]);
+    }
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("picture.png", s.path("link.png")).unwrap();
+        s.run("render picture.png -o link.png").fails(2, &["never overwritten"]);
+        s.run("render link.png -o picture.png").fails(2, &["never overwritten"]);
+        std::fs::hard_link(s.path("picture.png"), s.path("hard.png")).unwrap();
+        s.run("render picture.png -o hard.png").fails(2, &["never overwritten"]);
+    }
+    assert_eq!(s.read("picture.png"), scene);
+
+    // Nor the material file.
+    s.write("m.obj", OBJ.replace("box.mtl", "m.vxd"));
+    s.write("m.vxd", common::MTL);
+    s.run("build m.obj -o m.vxd -r 8").fails(2, &["m.vxd", "never overwritten"]);
+    assert_eq!(s.read("m.vxd"), common::MTL.as_bytes());
+    assert!(!s.files().iter().any(|f| f.ends_with(".tmp")), "{:?}", s.files());
+}
+
+#[test]
+fn places_that_cannot_be_written_exit_with_1_and_stay_as_they_are() {
+    let s = Sandbox::new();
+    s.run("build box.obj -o no/such/folder/out.vxd").fails(1, &["no/such/folder", "hint:"]);
+    std::fs::create_dir(s.path("dir.vxd")).unwrap();
+    s.run("build box.obj -o dir.vxd").fails(1, &["dir.vxd", "regular file"]);
+    // A failure keeps what was there before.
+    s.write("old.vxd", "old");
+    s.write("bad.obj", "v 0 0\nf 1 1 1\n");
+    s.run("build bad.obj -o old.vxd").fails(3, &["bad.obj:1:"]);
+    assert_eq!(s.read("old.vxd"), b"old");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_is_followed_and_a_new_file_has_the_usual_rights() {
+    use std::os::unix::fs::PermissionsExt;
+    let s = Sandbox::new();
+    s.write("real.vxd", "old");
+    std::os::unix::fs::symlink("real.vxd", s.path("link.vxd")).unwrap();
+    s.ok("build box.obj -o link.vxd -r 8");
+    assert!(s.path("link.vxd").is_symlink());
+    s.ok("verify real.vxd");
+    let rights = |name: &str| std::fs::metadata(s.path(name)).unwrap().permissions().mode() & 0o777;
+    assert_eq!(rights("real.vxd"), rights("box.obj"));
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_removes_what_is_half_written_and_exits_with_130() {
+    let s = Sandbox::new();
+    let mut child = s
+        .command("render box.obj -o out.png -r 256 --size 8000x8000 --samples 64 --threads 1")
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The temporary file is there before any long work begins.
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+    while !s.files().iter().any(|f| f.ends_with(".tmp")) {
+        assert!(std::time::Instant::now() < deadline, "no temporary file appeared");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert_eq!(s.files(), ["box.mtl", "box.obj"]);
+}

@@ -1,0 +1,176 @@
+//! What the commands give: the same bytes however they are called, and reports that programs can read.
+
+mod common;
+use common::{OBJ, Sandbox};
+use serde_json::Value;
+
+/// Every key of `keys` (dots go down) is there.
+fn has_keys(value: &Value, keys: &str) {
+    for key in keys.split_whitespace() {
+        let found = key.split('.').try_fold(value, |v, k| v.get(k));
+        assert!(found.is_some(), "no `{key}` in {value:#}");
+    }
+}
+
+#[test]
+fn build_reports_in_json_and_nothing_else_on_stdout() {
+    let s = Sandbox::new();
+    let run = s.ok("build box.obj -o box.vxd -r 100 --json --threads 2");
+    let json = run.json();
+    has_keys(
+        &json,
+        "resolution depth origin voxel_size triangles voxels nodes bricks bytes.nodes bytes.bricks bytes.materials \
+         bytes.file ms.parse ms.voxelize ms.reduce ms.materials ms.write ms.total peak_rss_bytes threads",
+    );
+    assert_eq!(json["resolution"], 100);
+    assert_eq!(json["depth"], 7);
+    assert_eq!(json["triangles"], 12);
+    assert_eq!(json["threads"], 2);
+    assert_eq!(json["voxel_size"].as_f64(), Some(2.0 / 100.0));
+    assert_eq!(json["bytes"]["file"].as_u64(), Some(s.read("box.vxd").len() as u64));
+    assert!(run.stderr.contains("render box.vxd -o box.png"), "{}", run.stderr);
+}
+
+#[test]
+fn info_agrees_with_build() {
+    let s = Sandbox::new();
+    let built = s.ok("build box.obj -o box.vxd -r 100 --json").json();
+    let info = s.ok("info box.vxd --json").json();
+    has_keys(&info, "resolution depth origin voxel_size box voxels levels bytes bits_per_voxel materials");
+    for key in ["resolution", "depth", "origin", "voxel_size", "voxels"] {
+        assert_eq!(info[key], built[key], "{key}");
+    }
+    let levels = info["levels"].as_array().unwrap();
+    let unique = |brick: bool| -> u64 {
+        levels.iter().filter(|l| (l["level"] == 2) == brick).map(|l| l["unique"].as_u64().unwrap()).sum()
+    };
+    assert_eq!(Some(unique(true)), built["bricks"].as_u64());
+    assert_eq!(Some(unique(false)), built["nodes"].as_u64());
+    assert!(levels.iter().all(|l| l["octree"].as_u64() >= l["unique"].as_u64()));
+    let names: Vec<_> = info["materials"].as_array().unwrap().iter().map(|m| m["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["red", "blue"]);
+    let text = s.ok("info box.vxd").stdout;
+    for word in ["resolution", "100", "voxel size", "0.02", "red", "blue"] {
+        assert!(text.contains(word), "no `{word}` in\n{text}");
+    }
+}
+
+#[test]
+fn numbers_come_back_with_the_same_bits() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd --voxel-size 0.0712345678901234 --origin -0.1,-0.30000000000000004,-1e-7");
+    let info = s.ok("info box.vxd --json").json();
+    assert_eq!(info["voxel_size"].as_f64(), Some(0.0712345678901234));
+    let origin: Vec<_> = info["origin"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    assert_eq!(origin, [-0.1, -0.30000000000000004, -1e-7]);
+    assert!(s.ok("info box.vxd").stdout.contains("-0.30000000000000004"));
+}
+
+#[test]
+fn the_same_mesh_gives_the_same_bytes_on_any_number_of_threads() {
+    let s = Sandbox::new();
+    for materials in ["none", "table", "table-normals"] {
+        let build = |threads: u32| {
+            s.ok(&format!("build box.obj -o t{threads}.vxd -r 200 --materials {materials} --threads {threads}"));
+            s.read(&format!("t{threads}.vxd"))
+        };
+        let one = build(1);
+        assert!(one == build(2) && one == build(8), "{materials}");
+    }
+}
+
+#[test]
+fn covers_differ_and_contain_each_other() {
+    let s = Sandbox::new();
+    let voxels = |cover: &str| {
+        s.ok(&format!("build box.obj -o c.vxd -r 64 --cover {cover} --json")).json()["voxels"].as_u64().unwrap()
+    };
+    let (thin, exact, inflated) = (voxels("thin"), voxels("exact"), voxels("inflated"));
+    assert!(thin < exact && exact <= inflated, "{thin} {exact} {inflated}");
+}
+
+#[test]
+fn a_mesh_and_its_scene_give_the_same_picture() {
+    let s = Sandbox::new();
+    for (build, picture) in [
+        ("", ""),
+        ("--materials none", "--normals face --samples 1"),
+        ("--materials table-normals", "--normals stored --samples 5"),
+        ("--up-axis z", "--normals gradient --arithmetic f64 --light 3,4,5,1,0.5,0.2 --ambient 0.1,0.2,0.3"),
+        ("--cover thin", "--normals plane3 --eye -3,2,4 --target 0,0,0 --view-up 0,0,1 --fov 60"),
+    ] {
+        s.ok(&format!("build box.obj -o box.vxd -r 60 {build}"));
+        s.ok(&format!("render box.vxd -o scene.png --size 64x48 {picture} --threads 1"));
+        s.ok(&format!("render box.obj -o mesh.png --size 64x48 -r 60 {build} {picture} --threads 3"));
+        let (scene, mesh) = (s.read("scene.png"), s.read("mesh.png"));
+        assert!(scene == mesh, "{build} {picture}");
+        assert!(scene.starts_with(b"\x89PNG"));
+    }
+}
+
+#[test]
+fn render_reports_what_it_did() {
+    let s = Sandbox::new();
+    let json = s.ok("render box.obj -o box.png -r 64 --size 80x60 --samples 5 --json").json();
+    has_keys(&json, "width height samples rays.primary rays.shadow rays.secondary hits ms.trace ms.total effects");
+    assert_eq!((&json["width"], &json["height"], &json["samples"]), (&80.into(), &60.into(), &5.into()));
+    assert_eq!(json["rays"]["primary"], 80 * 60 * 5);
+    let hits = json["hits"].as_u64().unwrap();
+    assert!(hits > 80 * 60 * 5 / 20 && hits < 80 * 60 * 5, "the box fills a part of the picture: {hits}");
+    assert!(json["effects"].is_array());
+}
+
+#[test]
+fn up_is_where_the_file_says() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o y.vxd -r 32");
+    s.ok("build box.obj -o z.vxd -r 32 --up-axis z");
+    s.ok("render y.vxd -o y.png --size 40x40");
+    s.ok("render z.vxd -o z.png --size 40x40");
+    assert_ne!(s.read("y.png"), s.read("z.png"));
+    assert_eq!(s.ok("info z.vxd --json").json()["up_axis"], "z");
+}
+
+#[test]
+fn verify_says_what_it_checked() {
+    let s = Sandbox::new();
+    for materials in ["none", "table", "table-normals"] {
+        s.ok(&format!("build box.obj -o box.vxd -r 50 --materials {materials}"));
+        let json = s.ok("verify box.vxd --json").json();
+        assert_eq!(json["ok"], true);
+        let checks = json["checks"].as_array().unwrap();
+        assert!(checks.len() >= 3, "{json:#}");
+        assert_eq!(checks.iter().any(|c| c["name"] == "table"), materials != "none", "{json:#}");
+    }
+}
+
+#[test]
+fn a_missing_material_file_is_a_warning() {
+    let s = Sandbox::new();
+    s.write("lone.obj", OBJ.replace("box.mtl", "no-such.mtl"));
+    let run = s.ok("build lone.obj -o lone.vxd -r 16");
+    assert!(run.stderr.contains("warning: ") && run.stderr.contains("no-such.mtl"), "{}", run.stderr);
+}
+
+#[test]
+fn files_are_found_beside_the_mesh_and_names_may_hold_spaces() {
+    let s = Sandbox::new();
+    std::fs::create_dir(s.path("my models")).unwrap();
+    s.write("my models/a box.obj", OBJ);
+    s.write("my models/box.mtl", common::MTL);
+    let output = s.command("build").arg("my models/a box.obj").args(["-o", "a box.vxd", "-r", "9"]).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success() && !stderr.contains("warning"), "{stderr}");
+    assert!(stderr.contains("render 'a box.vxd' -o 'a box.png'"), "{stderr}");
+}
+
+#[test]
+fn the_demo_draws_its_picture() {
+    let s = Sandbox::new();
+    let run = s.ok("demo -r 64 --size 64x36 --json");
+    let json = run.json();
+    has_keys(&json, "triangles voxels octree_nodes nodes bricks bytes.file ms.total peak_rss_bytes picture");
+    assert!(s.read("voxdag-demo.png").starts_with(b"\x89PNG"));
+    assert!(run.stderr.contains("next: "), "{}", run.stderr);
+    assert_eq!(s.files(), ["box.mtl", "box.obj", "voxdag-demo.png"]);
+}

@@ -1,0 +1,86 @@
+//! The manners of the command line: help, completions, no colour and no progress where nobody sits.
+
+mod common;
+use common::Sandbox;
+
+#[test]
+fn help_names_every_command_flag_and_default() {
+    let s = Sandbox::new();
+    let all = s.ok("--help").stdout;
+    for command in ["demo", "build", "render", "info", "verify", "completions", "Exit codes"] {
+        assert!(all.contains(command), "no `{command}` in\n{all}");
+    }
+    let build = s.ok("build --help").stdout;
+    for word in ["-r, --resolution", "512", "--voxel-size", "--origin", "--cover", "exact", "thin", "inflated"]
+        .into_iter()
+        .chain(["--materials", "table-normals", "--up-axis", "--threads", "--memory-limit", "--json"])
+    {
+        assert!(build.contains(word), "no `{word}` in\n{build}");
+    }
+    let render = s.ok("render --help").stdout;
+    for word in ["--size", "1280x720", "--eye", "--target", "--view-up", "--fov", "45", "--light", "--ambient", "0.2"]
+        .into_iter()
+        .chain(["--normals", "plane2", "--samples", "--arithmetic", "f64", "-r, --resolution"])
+    {
+        assert!(render.contains(word), "no `{word}` in\n{render}");
+    }
+    // Nothing runs off an ordinary terminal but one line of examples.
+    for help in [&all, &build, &render] {
+        assert!(help.lines().all(|line| line.chars().count() <= 120), "{help}");
+    }
+}
+
+#[test]
+fn without_arguments_there_is_help_and_code_2() {
+    let run = Sandbox::new().run("");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("Usage: voxdag"), "{}", run.stderr);
+}
+
+#[test]
+fn every_shell_is_completed() {
+    let s = Sandbox::new();
+    for (shell, word) in [
+        ("bash", "complete -F _voxdag"),
+        ("zsh", "#compdef voxdag"),
+        ("fish", "complete -c voxdag"),
+        ("powershell", "Register-ArgumentCompleter"),
+        ("elvish", "edit:completion"),
+    ] {
+        let run = s.ok(&format!("completions {shell}"));
+        assert!(run.stdout.contains(word) && run.stdout.contains("memory-limit"), "{shell}");
+    }
+    s.run("completions csh").fails(2, &["bash"]);
+}
+
+#[test]
+fn no_escape_codes_outside_a_terminal() {
+    let s = Sandbox::new();
+    for line in ["build box.obj -o box.vxd -r 20", "info box.vxd", "verify box.vxd", "info no-such", "build", "--help"]
+    {
+        let run = s.run(line);
+        assert!(!run.stdout.contains('\x1b') && !run.stderr.contains('\x1b'), "{line}");
+    }
+}
+
+#[test]
+fn every_run_ends_with_the_next_command() {
+    let s = Sandbox::new();
+    for line in
+        ["build box.obj -o box.vxd -r 20", "render box.vxd -o box.png --size 16x9", "info box.vxd", "verify box.vxd"]
+    {
+        let run = s.ok(line);
+        let last = run.stderr.lines().last().unwrap_or_default();
+        assert!(last.starts_with("next: ") && last.contains("voxdag"), "{line}: {last}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_failure() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd -r 20");
+    let line = format!("{} info box.vxd | true; echo ${{PIPESTATUS[0]}}", env!("CARGO_BIN_EXE_voxdag"));
+    let output = std::process::Command::new("bash").args(["-c", &line]).current_dir(s.path("")).output().unwrap();
+    assert_eq!(String::from_utf8_lossy(&output.stdout).trim(), "0");
+}
