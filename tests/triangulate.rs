@@ -277,7 +277,7 @@ fn polygons_that_touch_themselves_are_covered_once() {
             let at = random.next() as usize % polygon.len();
             let p = polygon[at];
             let spike = [[2 * p[0], 2 * p[1]], p];
-            polygon.splice(at..at, if random.next() % 2 == 0 { vec![p] } else { [&[p][..], &spike].concat() });
+            polygon.splice(at..at, if random.next().is_multiple_of(2) { vec![p] } else { [&[p][..], &spike].concat() });
         }
         assert_eq!(area(&polygon), expected, "the test's own polygon, seed {seed}");
         check_cover(&polygon, &format!("spikes, seed {seed}"));

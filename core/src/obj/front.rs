@@ -3,7 +3,7 @@
 //! In: the text of a file. Out: the same polygons in the plainest dialect, with every index, number and arity checked,
 //! or an error that names the line of the file as it is. The invariant: nothing that comes out makes tobj 4.0.5 panic,
 //! refuse, or guess. So vertices come before faces (a file may name a vertex before it defines it); indices count from
-//! the start; a corner without texture coordinates or normal names entry 1, which is NaN; materials are numbers; and
+//! the start; where others have texture coordinates or normals, a corner without names entry 1, which is NaN; materials are numbers; and
 //! what has no area or no meaning here (points, lines, weights, colours, groups, names) is gone.
 
 use alloc::collections::BTreeSet;
@@ -42,6 +42,9 @@ pub(super) struct Used {
 type Counts = [usize; 3];
 
 const KINDS: [&str; 3] = ["v", "vt", "vn"];
+const V: usize = 0;
+const VT: usize = 1;
+const VN: usize = 2;
 
 /// The material of the faces that follow.
 enum Current {
@@ -51,142 +54,224 @@ enum Current {
     Written,
 }
 
+/// What is known while the file is read.
+struct Front<'n> {
+    out: Checked,
+    notes: &'n mut Notes,
+    totals: Counts,
+    /// Those above the current line.
+    seen: Counts,
+    /// Places in `out.names`.
+    places: HashMap<String, usize>,
+    current: Current,
+    /// Whether there was a warning of a weight, ...
+    weighted: bool,
+    /// ... of a `vt` or `vn` named by a corner in a file that has none, ...
+    absent: [bool; 3],
+    /// ... and of these statements.
+    skipped: BTreeSet<String>,
+}
+
 pub(super) fn check(text: &str, notes: &mut Notes) -> Result<Checked, ImportError> {
-    let totals = count(text)?;
-    let mut out = Checked {
-        vertices: String::with_capacity(text.len() / 2),
-        faces: String::with_capacity(text.len() / 2),
-        libraries: Vec::new(),
-        names: Vec::new(),
-        bare: None,
-        polygons: 0,
+    let mut front = Front {
+        out: Checked {
+            vertices: String::with_capacity(text.len() / 2),
+            faces: String::with_capacity(text.len() / 2),
+            libraries: Vec::new(),
+            names: Vec::new(),
+            bare: None,
+            polygons: 0,
+        },
+        notes,
+        totals: count(text)?,
+        seen: [0; 3],
+        places: HashMap::new(),
+        current: Current::Bare,
+        weighted: false,
+        absent: [false; 3],
+        skipped: BTreeSet::new(),
     };
-    // Entry 1 of both: what corners without them name.
-    out.vertices.push_str("vt nan nan\nvn nan nan nan\n");
-    let mut seen: Counts = [0; 3];
-    let mut places = HashMap::new();
-    let mut current = Current::Bare;
-    let mut unknown = BTreeSet::new();
-    let mut weighted = false;
-    // Whether a corner named a `vt` or `vn` in a file that has none.
-    let mut absent = [false; 3];
-    for (line, statement) in statements(text) {
-        if statement.is_empty() || statement.starts_with('#') {
-            continue;
+    // Entry 1: what corners without one name.
+    for (kind, entry) in [(VT, "vt nan nan\n"), (VN, "vn nan nan nan\n")] {
+        if front.totals[kind] > 0 {
+            front.out.vertices.push_str(entry);
         }
-        let (keyword, arguments) = split_keyword(&statement);
-        let fail = |message: String| Err(ImportError(Note { file: String::new(), line, message }));
+    }
+    for (line, statement) in statements(text) {
+        if !statement.is_empty() && !statement.starts_with('#') {
+            let (keyword, arguments) = split_keyword(&statement);
+            front
+                .statement(line, keyword, arguments)
+                .map_err(|message| ImportError(Note { file: String::new(), line, message }))?;
+        }
+    }
+    Ok(front.out)
+}
+
+impl Front<'_> {
+    /// Checks a statement and writes what is left of it. Err: what is wrong.
+    fn statement(&mut self, line: u32, keyword: &str, arguments: &str) -> Result<(), String> {
         match keyword {
-            "v" => {
-                seen[0] += 1;
-                let (found, fourth) = match numbers::<7>(arguments) {
-                    Ok(numbers) => numbers,
-                    Err(message) => return fail(format!("v {}: {message}; correct the line", quote(arguments))),
-                };
-                if found < 3 {
-                    return fail(format!(
-                        "v has {found} numbers: expected 3 to 7 (x y z, then a weight or a colour); correct the line"
-                    ));
-                }
-                if found == 4 && fourth != 1.0 && !weighted {
-                    weighted = true;
-                    let message =
-                        format!("v has the weight {fourth}; weights mean nothing to polygons and are skipped");
-                    notes.push("", line, message);
-                }
-                write(&mut out.vertices, "v", words(arguments).take(3));
-            }
-            "vt" | "vn" => {
-                let normal = keyword == "vn";
-                seen[1 + usize::from(normal)] += 1;
-                let least = if normal { 3 } else { 1 };
-                let found = match numbers::<3>(arguments) {
-                    Ok((found, _)) => found,
-                    Err(message) => {
-                        return fail(format!("{keyword} {}: {message}; correct the line", quote(arguments)));
-                    }
-                };
-                if found < least {
-                    let expected = if normal { "3" } else { "1 to 3" };
-                    return fail(format!("{keyword} has {found} numbers: expected {expected}; correct the line"));
-                }
-                let missing = if found == 1 { Some("0") } else { None };
-                let kept = if normal { 3 } else { 2 };
-                write(&mut out.vertices, keyword, words(arguments).chain(missing).take(kept));
-            }
+            "v" => self.vertex(line, arguments)?,
+            "vt" => self.attribute(VT, arguments)?,
+            "vn" => self.attribute(VN, arguments)?,
             // `fo` is what the format's first version called a face.
             "f" | "fo" => {
-                // Name the face's material, if it is a new one.
-                match core::mem::replace(&mut current, Current::Written) {
-                    Current::Written => {}
-                    Current::Bare => {
-                        out.bare.get_or_insert(line);
-                        out.faces.push_str("usemtl -\n");
-                    }
-                    Current::Named(name, line) => {
-                        let place = *places.entry(name).or_insert_with_key(|name| {
-                            out.names.push(Used { name: name.clone(), line });
-                            out.names.len() - 1
-                        });
-                        out.faces.push_str("usemtl ");
-                        push_number(&mut out.faces, place);
-                        out.faces.push('\n');
-                    }
-                }
-
-                // Write its corners.
-                out.polygons += 1;
-                out.faces.push('f');
-                let warned = absent;
-                let mut corners = 0;
-                for word in words(arguments) {
-                    if let Err(message) = corner(word, &seen, &totals, &mut absent, &mut out.faces) {
-                        return fail(message);
-                    }
-                    corners += 1;
-                }
-                for kind in 1..3 {
-                    if absent[kind] && !warned[kind] {
-                        let name = KINDS[kind];
-                        notes.push("", line, format!("faces name {name} entries, but the file has none; read without"));
-                    }
-                }
-                if corners < 3 {
-                    return fail(format!(
-                        "a face has {corners} corners: expected at least 3; delete the line, or use l or p for lines and points"
-                    ));
-                }
-                out.faces.push('\n');
+                self.material(line);
+                self.face(line, arguments)?;
             }
             "usemtl" if arguments.is_empty() => {
-                notes.push("", line, "usemtl without a name; the faces that follow have no material".to_string());
-                current = Current::Bare;
+                self.notes.push("", line, "usemtl without a name; the faces that follow have no material".to_string());
+                self.current = Current::Bare;
             }
-            "usemtl" => current = Current::Named(arguments.to_string(), line),
+            "usemtl" => self.current = Current::Named(arguments.to_string(), line),
             "mtllib" if arguments.is_empty() => {
-                notes.push("", line, "mtllib names no file; it is skipped".to_string());
+                self.notes.push("", line, "mtllib names no file; it is skipped".to_string());
             }
-            "mtllib" => out.libraries.push((line, arguments.to_string())),
+            "mtllib" => self.out.libraries.push((line, arguments.to_string())),
             // Grouping, smoothing, and the display and rendering state of Wavefront's own programs.
             "o" | "g" | "s" | "mg" | "vp" | "lod" | "bevel" | "c_interp" | "d_interp" | "usemap" | "maplib"
             | "shadow_obj" | "trace_obj" => {}
             other => {
-                if !unknown.contains(other) {
-                    let what = match other {
-                        "l" | "p" => "has no area",
-                        _ => "is not read",
-                    };
-                    notes.push(
-                        "",
-                        line,
-                        format!("statement {} {what}; it is skipped wherever it stands", quote(other)),
-                    );
-                    unknown.insert(other.to_string());
+                if !self.skipped.contains(other) {
+                    let why = if matches!(other, "l" | "p") { "has no area" } else { "is not read" };
+                    let message = format!("statement {} {why}; it is skipped wherever it stands", quote(other));
+                    self.notes.push("", line, message);
+                    self.skipped.insert(other.to_string());
                 }
             }
         }
+        Ok(())
     }
-    Ok(out)
+
+    fn vertex(&mut self, line: u32, arguments: &str) -> Result<(), String> {
+        self.seen[V] += 1;
+        let (found, fourth) =
+            numbers::<7>(arguments).map_err(|why| format!("v {}: {why}; correct the line", quote(arguments)))?;
+        if found < 3 {
+            return Err(format!(
+                "v has {found} numbers: expected 3 to 7 (x y z, then a weight or a colour); correct the line"
+            ));
+        }
+        if found == 4 && fourth != 1.0 && !self.weighted {
+            self.weighted = true;
+            let message = format!("v has the weight {fourth}; weights mean nothing to polygons and are skipped");
+            self.notes.push("", line, message);
+        }
+        write(&mut self.out.vertices, "v", words(arguments).take(3));
+        Ok(())
+    }
+
+    /// Texture coordinates (one is enough, two are kept) or a normal.
+    fn attribute(&mut self, kind: usize, arguments: &str) -> Result<(), String> {
+        self.seen[kind] += 1;
+        let name = KINDS[kind];
+        let (expected, least, kept) = if kind == VN { ("3", 3, 3) } else { ("1 to 3", 1, 2) };
+        let (found, _) =
+            numbers::<3>(arguments).map_err(|why| format!("{name} {}: {why}; correct the line", quote(arguments)))?;
+        if found < least {
+            return Err(format!("{name} has {found} numbers: expected {expected}; correct the line"));
+        }
+        let missing = if found == 1 { Some("0") } else { None };
+        write(&mut self.out.vertices, name, words(arguments).chain(missing).take(kept));
+        Ok(())
+    }
+
+    /// Writes the material of the face on this line, if it is not that of the face before.
+    fn material(&mut self, line: u32) {
+        match core::mem::replace(&mut self.current, Current::Written) {
+            Current::Written => {}
+            Current::Bare => {
+                self.out.bare.get_or_insert(line);
+                self.out.faces.push_str("usemtl -\n");
+            }
+            Current::Named(name, line) => {
+                let names = &mut self.out.names;
+                let place = *self.places.entry(name).or_insert_with_key(|name| {
+                    names.push(Used { name: name.clone(), line });
+                    names.len() - 1
+                });
+                self.out.faces.push_str("usemtl ");
+                push_number(&mut self.out.faces, place);
+                self.out.faces.push('\n');
+            }
+        }
+    }
+
+    fn face(&mut self, line: u32, arguments: &str) -> Result<(), String> {
+        self.out.polygons += 1;
+        self.out.faces.push('f');
+        let warned = self.absent;
+        let mut corners = 0;
+        for word in words(arguments) {
+            self.corner(word)?;
+            corners += 1;
+        }
+        self.out.faces.push('\n');
+        for kind in [VT, VN] {
+            if self.absent[kind] && !warned[kind] {
+                let message = format!("faces name {} entries, but the file has none; read without", KINDS[kind]);
+                self.notes.push("", line, message);
+            }
+        }
+        if corners < 3 {
+            let hint = "delete the line, or use l or p for lines and points";
+            return Err(format!("a face has {corners} corners: expected at least 3; {hint}"));
+        }
+        Ok(())
+    }
+
+    /// Checks a corner (`v`, `v/vt`, `v//vn`, `v/vt/vn`) and writes it with indices from the start.
+    ///
+    /// An index out of range is an error, but files that name texture coordinates or normals and have none at all are
+    /// common enough (they were stripped): these are read without.
+    fn corner(&mut self, word: &str) -> Result<(), String> {
+        let mut fields = word.split('/');
+        for kind in [V, VT, VN] {
+            let field = fields.next().unwrap_or("");
+            let number = if field.is_empty() && kind != V {
+                0
+            } else if kind != V && self.totals[kind] == 0 && field.parse::<i64>().is_ok() {
+                self.absent[kind] = true;
+                0
+            } else {
+                self.index(field, kind).ok_or_else(|| self.explain(field, word, kind))?
+            };
+            let out = &mut self.out.faces;
+            if kind == V {
+                out.push(' ');
+                push_number(out, number);
+            } else if self.totals[kind] > 0 {
+                // The entries begin behind that for none.
+                out.push('/');
+                push_number(out, number + 1);
+            } else if self.totals[VN] > 0 {
+                out.push('/');
+            }
+        }
+        if fields.next().is_some() { Err(form(word)) } else { Ok(()) }
+    }
+
+    /// The entry that an index means, counted from 1.
+    fn index(&self, field: &str, kind: usize) -> Option<usize> {
+        let value: i64 = field.parse().ok()?;
+        let entry = if value < 0 { (self.seen[kind] as i64).checked_add(value)?.checked_add(1)? } else { value };
+        usize::try_from(entry).ok().filter(|entry| (1..=self.totals[kind]).contains(entry))
+    }
+
+    /// Why an index means no entry.
+    fn explain(&self, field: &str, word: &str, kind: usize) -> String {
+        let Ok(value) = field.parse::<i64>() else { return form(word) };
+        let (name, total, seen) = (KINDS[kind], self.totals[kind], self.seen[kind]);
+        match value {
+            0 => {
+                let word = quote(word);
+                format!("{name} index 0 in {word}: indices count from 1, or from -1 backwards; correct the line")
+            }
+            1.. => format!("{name} index {value} is out of range: the file has {total} statements {name}"),
+            _ => format!("{name} index {value} is out of range: there are {seen} statements {name} before the line"),
+        }
+    }
 }
 
 /// Counts the vertices first, because a face may name one that comes later.
@@ -241,51 +326,8 @@ fn write<'a>(out: &mut String, keyword: &str, words: impl Iterator<Item = &'a st
     out.push('\n');
 }
 
-/// Checks a corner (`v`, `v/vt`, `v//vn`, `v/vt/vn`) and writes it with indices from the start.
-///
-/// An index out of range is an error, but files that name texture coordinates or normals and have none at all are
-/// common enough (they were stripped): these are read without, and `absent` says so.
-fn corner(word: &str, seen: &Counts, totals: &Counts, absent: &mut [bool; 3], out: &mut String) -> Result<(), String> {
-    let mut fields = word.split('/');
-    for kind in 0..3 {
-        let field = fields.next().unwrap_or("");
-        let number = if field.is_empty() && kind > 0 {
-            0
-        } else if kind > 0 && totals[kind] == 0 && field.parse::<i64>().is_ok() {
-            absent[kind] = true;
-            0
-        } else {
-            index(field, kind, seen, totals).ok_or_else(|| explain(field, word, kind, seen, totals))?
-        };
-        // The entries of `vt` and `vn` begin behind that for none.
-        out.push(if kind == 0 { ' ' } else { '/' });
-        push_number(out, number + usize::from(kind > 0));
-    }
-    if fields.next().is_some() { Err(form(word)) } else { Ok(()) }
-}
-
-/// The entry that an index means, counted from 1.
-fn index(field: &str, kind: usize, seen: &Counts, totals: &Counts) -> Option<usize> {
-    let value: i64 = field.parse().ok()?;
-    let entry = if value < 0 { (seen[kind] as i64).checked_add(value)?.checked_add(1)? } else { value };
-    usize::try_from(entry).ok().filter(|entry| (1..=totals[kind]).contains(entry))
-}
-
 fn form(word: &str) -> String {
     format!("{} is not a corner: expected v, v/vt, v//vn or v/vt/vn; correct the line", quote(word))
-}
-
-/// Why an index means no entry.
-fn explain(field: &str, word: &str, kind: usize, seen: &Counts, totals: &Counts) -> String {
-    let Ok(value) = field.parse::<i64>() else { return form(word) };
-    let name = KINDS[kind];
-    match value {
-        0 => format!("{name} index 0 in {}: indices count from 1, or from -1 backwards; correct the line", quote(word)),
-        1.. => format!("{name} index {value} is out of range: the file has {} statements {name}", totals[kind]),
-        _ => {
-            format!("{name} index {value} is out of range: there are {} statements {name} before the line", seen[kind])
-        }
-    }
 }
 
 /// Decimal digits, without the detour over `fmt`: faces are most of a file.

@@ -84,6 +84,14 @@ pub const DEFAULT_MATERIAL: &str = "default";
 /// Refused are files whose geometry is wrong: numbers that are not finite, indices out of range, faces with fewer than
 /// three corners, more than 65,535 materials. Everything else, from a missing library on, is a warning. Memory is in
 /// proportion to the input; polygons with n corners take O(n^2) time.
+///
+/// ```
+/// let obj = b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nusemtl red\nf 1 2 3 4\n";
+/// let model = voxdag::obj::import(obj, |path| (path == "a.mtl").then(|| b"newmtl red\nKd 1 0 0\n".to_vec()))?;
+/// assert_eq!((model.faces, model.triangles.len()), (1, 2));
+/// assert_eq!(model.materials[0].material.diffuse, [1.0, 0.0, 0.0]);
+/// # Ok::<(), voxdag::obj::ImportError>(())
+/// ```
 pub fn import(obj: &[u8], mut resolve: impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Model, ImportError> {
     let mut notes = Notes::default();
     let checked = front::check(&decode(obj), &mut notes)?;
@@ -160,25 +168,21 @@ fn read_libraries(
 
 /// The names in a list that is separated by white space and ends at a `#`; `\` before white space keeps it in the name.
 fn split_list(list: &str) -> Vec<String> {
-    let mut names = Vec::from([String::new()]);
+    let mut names = Vec::new();
+    let mut name = String::new();
     let mut characters = list.chars().peekable();
     while let Some(c) = characters.next() {
-        let starts = names.last().is_some_and(String::is_empty);
         match c {
-            '\\' if characters.peek().is_some_and(char::is_ascii_whitespace) => {
-                let space = characters.next();
-                names.last_mut().expect("never empty").extend(space);
-            }
-            '#' if starts => break,
-            c if c.is_ascii_whitespace() => {
-                if !starts {
-                    names.push(String::new());
-                }
-            }
-            c => names.last_mut().expect("never empty").push(c),
+            '\\' if characters.peek().is_some_and(char::is_ascii_whitespace) => name.extend(characters.next()),
+            '#' if name.is_empty() => break,
+            c if !c.is_ascii_whitespace() => name.push(c),
+            _ if !name.is_empty() => names.push(core::mem::take(&mut name)),
+            _ => {}
         }
     }
-    names.retain(|name| !name.is_empty());
+    if !name.is_empty() {
+        names.push(name);
+    }
     names
 }
 
@@ -263,19 +267,24 @@ fn assemble(parsed: &[tobj::Model], ids: &Ids) -> Result<Model, ImportError> {
             let face = first..first + arity;
             first += arity;
             let indices = &mesh.indices[face.clone()];
-            let (uv, normal) = (&mesh.texcoord_indices[face.clone()], &mesh.normal_indices[face]);
+            // None in a file without any.
+            let (uv, normal) = (mesh.texcoord_indices.get(face.clone()), mesh.normal_indices.get(face));
             polygon.clear();
             polygon.extend(indices.iter().map(|&index| model.positions[(base + index) as usize]));
             for &corners in triangulator.triangulate(&polygon) {
                 let corners = corners.map(|corner| corner as usize);
                 model.triangles.push(corners.map(|corner| base + indices[corner]));
                 model.triangle_materials.push(id);
-                let uv = corners.map(|corner| uvs[uv[corner] as usize].map(|x| x as f32));
-                let normal = corners.map(|corner| normals[normal[corner] as usize].map(|x| x as f32));
-                any_uv |= uv.iter().any(|uv| !uv[0].is_nan());
-                any_normal |= normal.iter().any(|normal| !normal[0].is_nan());
-                model.uvs.push(uv);
-                model.normals.push(normal);
+                if let Some(uv) = uv {
+                    let uv = corners.map(|corner| uvs[uv[corner] as usize].map(|x| x as f32));
+                    any_uv |= uv.iter().any(|uv| !uv[0].is_nan());
+                    model.uvs.push(uv);
+                }
+                if let Some(normal) = normal {
+                    let normal = corners.map(|corner| normals[normal[corner] as usize].map(|x| x as f32));
+                    any_normal |= normal.iter().any(|normal| !normal[0].is_nan());
+                    model.normals.push(normal);
+                }
             }
         }
     }

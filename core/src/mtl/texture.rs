@@ -1,0 +1,158 @@
+//! The arguments of a texture statement: `[-option values]... file name`.
+//!
+//! In: the rest of the line. Out: the file and what sampling needs. File names may hold spaces, backslashes and quotes;
+//! some dialects put options behind the name. An option that is not known is a warning, never the end of the texture.
+
+use alloc::format;
+use alloc::string::{String, ToString};
+use alloc::vec::Vec;
+
+use crate::text::{finite, path, quote, split_keyword};
+
+/// A texture and how it lies on a surface.
+#[derive(Clone, PartialEq, Debug)]
+pub struct TextureMap {
+    /// As the library names it, with `/` between folders.
+    pub path: String,
+    /// `-s`: factor on the texture coordinates.
+    pub scale: [f32; 3],
+    /// `-o`: what is added to the scaled coordinates.
+    pub offset: [f32; 3],
+    /// `-clamp on`: no repetition outside 0 to 1.
+    pub clamp: bool,
+    /// `-mm`, first number: what is added to the scaled values.
+    pub base: f32,
+    /// `-mm`, second number: factor on the texture's values.
+    pub gain: f32,
+}
+
+/// What follows an option of a texture.
+enum Arguments {
+    /// One number, up to so many more.
+    Numbers(usize),
+    Switch,
+    Word,
+}
+
+fn option(word: &str) -> Option<Arguments> {
+    Some(match word {
+        "-s" | "-o" | "-t" => Arguments::Numbers(3),
+        "-mm" => Arguments::Numbers(2),
+        "-bm" | "-boost" | "-texres" => Arguments::Numbers(1),
+        "-clamp" | "-blendu" | "-blendv" | "-cc" => Arguments::Switch,
+        "-imfchan" | "-type" | "-colorspace" => Arguments::Word,
+        _ => return None,
+    })
+}
+
+fn switch(word: &str) -> Option<bool> {
+    if word.eq_ignore_ascii_case("on") {
+        Some(true)
+    } else if word.eq_ignore_ascii_case("off") {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+/// The arguments of `map_Kd`: options, a file name that may hold spaces, and options again in some dialects.
+pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<TextureMap> {
+    let mut map =
+        TextureMap { path: String::new(), scale: [1.0; 3], offset: [0.0; 3], clamp: false, base: 0.0, gain: 1.0 };
+    let mut unknown = Vec::new();
+    let mut rest = arguments;
+    while !rest.is_empty() {
+        let (word, after) = split_keyword(rest);
+        let lower = word.to_ascii_lowercase();
+        let Some(kind) = option(&lower) else {
+            if map.path.is_empty() && word.starts_with('-') && !after.is_empty() {
+                // How many arguments it has is not known either: all that cannot begin a file name.
+                unknown.push(quote(word));
+                rest = skip_while(after, |word| finite(word).is_some() || switch(word).is_some());
+            } else if map.path.is_empty() {
+                // The name ends at the next known option or at the end of the line.
+                let end = skip_while(rest, |word| option(&word.to_ascii_lowercase()).is_none());
+                map.path = path(&rest[..rest.len() - end.len()]);
+                rest = end;
+            } else {
+                note(format!("map_Kd: {} after the file name is skipped", quote(rest)));
+                break;
+            }
+            continue;
+        };
+        rest = match kind {
+            Arguments::Numbers(most) => read_numbers(&mut map, &lower, most, after, note),
+            Arguments::Switch => {
+                let (value, behind) = split_keyword(after);
+                match switch(value) {
+                    Some(on) => {
+                        map.clamp = if lower == "-clamp" { on } else { map.clamp };
+                        behind
+                    }
+                    None => {
+                        note(format!("map_Kd: option {lower} is followed by {}: expected on or off", quote(value)));
+                        after
+                    }
+                }
+            }
+            Arguments::Word => split_keyword(after).1,
+        };
+    }
+    if map.path.is_empty() {
+        note("map_Kd names no file; the statement is skipped".to_string());
+        return None;
+    }
+    for word in unknown {
+        note(format!("option {word} of map_Kd is not known; texture {} is used without it", quote(&map.path)));
+    }
+    Some(map)
+}
+
+/// Reads up to `most` numbers into the field of `option`, and gives what follows them.
+fn read_numbers<'a>(
+    map: &mut TextureMap,
+    option: &str,
+    most: usize,
+    arguments: &'a str,
+    note: &mut impl FnMut(String),
+) -> &'a str {
+    let mut rest = arguments;
+    let mut values = [0.0f32; 3];
+    let mut count = 0;
+    while count < most {
+        let (word, behind) = split_keyword(rest);
+        let Some(value) = finite(word).filter(|x| (*x as f32).is_finite()) else { break };
+        values[count] = value as f32;
+        count += 1;
+        rest = behind;
+    }
+    if count == 0 {
+        note(format!("map_Kd: option {option} has no number; it is skipped"));
+        return rest;
+    }
+    match option {
+        "-s" => map.scale[..count].copy_from_slice(&values[..count]),
+        "-o" => map.offset[..count].copy_from_slice(&values[..count]),
+        "-mm" => {
+            map.base = values[0];
+            if count > 1 {
+                map.gain = values[1];
+            }
+        }
+        _ => {}
+    }
+    rest
+}
+
+/// The words that follow those which `skip` takes.
+fn skip_while(text: &str, skip: impl Fn(&str) -> bool) -> &str {
+    let mut rest = text;
+    while !rest.is_empty() {
+        let (word, after) = split_keyword(rest);
+        if !skip(word) {
+            break;
+        }
+        rest = after;
+    }
+    rest
+}
