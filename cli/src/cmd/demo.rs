@@ -60,7 +60,8 @@ pub fn run(args: &Args) -> Result<()> {
     let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
         (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
     })?;
-    let built = pool.install(|| scene::build(&source, &BuildArgs::default(), &args.machine))?;
+    let building = BuildArgs { resolution: Some(demo::RESOLUTION), ..BuildArgs::default() };
+    let built = pool.install(|| scene::build(&source, &building, &args.machine))?;
     let picture = pool.install(|| picture::draw(&built.shown(), &view(), &args.machine))?;
     output.finish(|file| picture.write_png(file))?;
 
