@@ -1,18 +1,15 @@
 //! Laws of normals: one test per row N1 to N14 of the hard cases, accuracy on known surfaces, and an independent method
 //! (sums in f64 voxel by voxel, eigenvectors by Jacobi rotations).
 
-// Each test binary uses its part of the shared helpers.
-#[allow(dead_code)]
-mod support;
-
 use std::collections::HashSet;
-use support::{Random, dag_words, degrees};
 use voxdag::camera::Camera;
 use voxdag::materials::{Materials, Single};
-use voxdag::math::{add_scaled, dot, normalize, sub};
+use voxdag::math::{add_scaled, cross, dot, normalize, sub};
 use voxdag::normal::{Confidence, Normal, NormalKind, normal};
 use voxdag::trace::{Face, Hit, Query};
 use voxdag::{Dag, Morton};
+use voxdag_oracle::octree::VoxelSet;
+use voxdag_oracle::rng::Rng;
 
 type Voxel = [i32; 3];
 
@@ -28,7 +25,8 @@ impl Set {
     }
 
     fn at(center: Voxel, depth: u8, voxels: impl IntoIterator<Item = Voxel>) -> Set {
-        Set(dag_words(depth, voxels.into_iter().map(|v| moved(v, center).map(|c| c as u32))))
+        let voxels = voxels.into_iter().map(|v| moved(v, center).map(|c| c as u32));
+        Set(VoxelSet::new(voxels).words(depth))
     }
 
     fn dag(&self) -> Dag<'_> {
@@ -62,6 +60,17 @@ fn face_against(dir: [f64; 3]) -> Face {
 
 fn facing(face: Face, dir: [f64; 3]) -> f64 {
     dot(face.normal().map(f64::from), dir)
+}
+
+/// Angle between two vectors in degrees, accurate near 0 too.
+fn degrees(a: [f64; 3], b: [f64; 3]) -> f64 {
+    let c = cross(a, b);
+    libm::atan2(dot(c, c).sqrt(), dot(a, b)).to_degrees()
+}
+
+/// A random unit vector.
+fn unit(random: &mut Rng) -> [f64; 3] {
+    normalize(random.direction()).unwrap()
 }
 
 fn assert_unit(n: [f32; 3]) {
@@ -214,8 +223,8 @@ fn symmetries() -> Vec<([usize; 3], [i32; 3])> {
 }
 
 /// Random voxels around 0 within 3, which is filled, of one of several densities, or a slab, or something symmetric.
-fn neighbourhood(random: &mut Random) -> Vec<Voxel> {
-    let (shape, density, n) = (random.below(3), 1 + random.below(8), random.unit());
+fn neighbourhood(random: &mut Rng) -> Vec<Voxel> {
+    let (shape, density, n) = (random.below(3), 1 + random.below(8), unit(random));
     boxed([-3; 3], [3; 3])
         .filter(|v| {
             let h = dot(v.map(f64::from), n);
@@ -232,11 +241,11 @@ fn neighbourhood(random: &mut Random) -> Vec<Voxel> {
 #[test]
 fn n11_mirror_images() {
     const SEED: u64 = 11;
-    let mut random = Random(SEED);
+    let mut random = Rng::new(SEED);
     let mut branches = HashSet::new();
     for round in 0..120 {
         let voxels = neighbourhood(&mut random);
-        let dir = random.unit();
+        let dir = unit(&mut random);
         let face = face_against(dir);
         let kinds = [NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3];
         let plain = Set::new(voxels.iter().copied());
@@ -262,10 +271,10 @@ fn n11_mirror_images() {
 #[test]
 fn n12_absolute_coordinates() {
     const SEED: u64 = 12;
-    let mut random = Random(SEED);
+    let mut random = Rng::new(SEED);
     for round in 0..40 {
         let voxels = neighbourhood(&mut random);
-        let dir = random.unit();
+        let dir = unit(&mut random);
         let near = Set::new(voxels.iter().copied());
         let far = [(1 << 21) - 4, 3 + random.below(1 << 20) as i32, 1 << 20];
         let set = Set::at(far, 21, voxels);
@@ -367,7 +376,7 @@ fn normals_point_out_of_the_surface_at_horizons_and_on_bumps() {
 
     // A floor with bumps, seen at a low angle from above it, so that its rim is out of sight.
     const SEED: u64 = 18;
-    let mut random = Random(SEED);
+    let mut random = Rng::new(SEED);
     for percent in [5, 20] {
         let bumps: Vec<Voxel> = boxed([1, 31, 1], [62, 31, 60]).filter(|_| random.below(100) < percent).collect();
         let floor = boxed([1, 30, 1], [62, 30, 60]).chain(bumps);
@@ -379,13 +388,13 @@ fn normals_point_out_of_the_surface_at_horizons_and_on_bumps() {
 #[test]
 fn every_answer_is_a_unit_vector() {
     const SEED: u64 = 15;
-    let mut random = Random(SEED);
+    let mut random = Rng::new(SEED);
     for _ in 0..60 {
         let set = Set::new(neighbourhood(&mut random));
         for kind in [NormalKind::Face, NormalKind::Stored, NormalKind::Gradient, NormalKind::Plane2] {
             for voxel in [[16; 3], [0, 31, 7], [18, 15, 16], [40, 3, 3], [(1 << 21) - 1; 3]] {
                 // `at` asserts it.
-                at(set.dag(), voxel, kind, random.unit());
+                at(set.dag(), voxel, kind, unit(&mut random));
             }
         }
     }
@@ -450,7 +459,7 @@ fn jacobi(mut a: [[f64; 3]; 3]) -> [(f64, [f64; 3]); 3] {
 #[test]
 fn planes_agree_with_jacobi_voxel_by_voxel() {
     const SEED: u64 = 16;
-    let mut random = Random(SEED);
+    let mut random = Rng::new(SEED);
     let (mut planes, mut solids) = (0, 0);
     for round in 0..400 {
         // Somewhere in a small cube, the borders included.
@@ -461,7 +470,7 @@ fn planes_agree_with_jacobi_voxel_by_voxel() {
             .filter(|v| v.iter().all(|c| (0..32).contains(c)))
             .collect();
         let set = Set::at([0; 3], 5, voxels.iter().copied());
-        let dir = random.unit();
+        let dir = unit(&mut random);
         for (kind, r) in PLANES {
             let window: Vec<[f64; 3]> = voxels
                 .iter()
@@ -536,12 +545,12 @@ fn accuracy_on_a_sphere() {
 fn accuracy_on_tilted_planes() {
     const SEED: u64 = 17;
     const ROUNDS: i32 = 60;
-    let mut random = Random(SEED);
+    let mut random = Rng::new(SEED);
     // The voxels that the plane runs through, and those whose centre is within half a voxel of it.
     for name in ["cover", "thin"] {
         let mut sums = [0.0; 3];
         for _ in 0..ROUNDS {
-            let n = random.unit();
+            let n = unit(&mut random);
             let through: Voxel = [0, 1, 2].map(|_| 4000 + random.below(256) as i32);
             let reach = if name == "thin" { 0.5 } else { n.iter().map(|x| x.abs()).sum::<f64>() / 2.0 };
             let height = |v: &Voxel| dot([0, 1, 2].map(|i| f64::from(256 * v[i] - through[i]) / 256.0), n);
