@@ -13,6 +13,9 @@ use core::fmt::Write as _;
 /// The name under which [`obj`] asks for [`mtl`].
 pub const MTL_NAME: &str = "voxdag-demo.mtl";
 
+/// Voxels along the longest axis for the demo's picture: 1.8 cm each.
+pub const RESOLUTION: u32 = 1024;
+
 /// From where, and in which light, the demo's picture is drawn. World units, colours in linear light.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct DemoView {
