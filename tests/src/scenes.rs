@@ -51,7 +51,7 @@ impl Shape {
                 let x = (p[i] - origin[i]) * (SUB as f64 / voxel_size);
                 let floor = x.floor();
                 let up = match x - floor {
-                    r if r == 0.5 => floor % 2.0 != 0.0,
+                    0.5 => floor % 2.0 != 0.0,
                     r => r > 0.5,
                 };
                 (floor as i64 + i64::from(up)).min(SUB * i64::from(resolution) - 1)
