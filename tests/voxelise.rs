@@ -598,8 +598,10 @@ fn v18_the_inflated_cover_holds_the_original_floats() {
 
 #[test]
 fn v18_the_inflated_cover_at_the_far_border() {
-    // A steep segment into the far border: pulling its end in by a whole unit would move its other points past voxels
-    // that inflation by half a unit does not bring back. On x = 7 it is one unit below y = 4, so in voxel (7, 3, 0).
-    let segment = of(&[[[5.5, 0.0, 0.5], [8.0, 6.66015625, 0.5], [8.0, 6.66015625, 0.5]]]);
-    assert!(subject::cover(&segment, &unit_grid(8), Cover::Inflated).contains(&[7, 3, 0]));
+    // A steep segment into the far border. Pulling its end in by a whole unit, as the exact cover does, moves the points
+    // near x = 63 by three quarters of a unit, past a voxel that inflation by half a unit does not bring back: on x = 63
+    // the segment is at y = 37 - 1/256, so it meets voxel (63, 36, 0), and at once leaves it through y = 37.
+    let end = [64.0, 49.328125, 0.5];
+    let segment = of(&[[[60.0, 0.0, 0.5], end, end]]);
+    assert!(subject::cover(&segment, &unit_grid(64), Cover::Inflated).contains(&[63, 36, 0]));
 }

@@ -78,14 +78,10 @@ impl Companions {
         Companions { folder: path.parent().unwrap_or(Path::new("")).to_path_buf(), read: vec![path.to_path_buf()] }
     }
 
-    /// The content of `name`, which may be written with backslashes; `None` if there is no such file.
+    /// The content of `name`, its folders apart by `/`; `None` if there is no such file.
     pub fn resolve(&mut self, name: &str) -> Option<Vec<u8>> {
-        let spellings = [name.to_owned(), name.replace('\\', "/")];
-        let found = spellings.iter().find_map(|name| {
-            let path = self.folder.join(name);
-            std::fs::read(&path).ok().map(|bytes| (path, bytes))
-        });
-        let (path, bytes) = found?;
+        let path = self.folder.join(name);
+        let bytes = std::fs::read(&path).ok()?;
         self.read.push(path);
         Some(bytes)
     }

@@ -5,7 +5,7 @@ use clap::{Args, ValueEnum};
 use voxdag::render::Samples;
 
 use crate::error::{Error, Kind};
-use crate::report::size;
+use crate::report::{number as number_text, size};
 
 /// How the mesh becomes voxels.
 #[derive(Args, Clone, Debug, Default)]
@@ -24,15 +24,15 @@ pub struct BuildArgs {
     pub origin: Option<[f64; 3]>,
 
     /// Which voxels a triangle fills [default: exact]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "COVER", value_enum)]
     pub cover: Option<CoverArg>,
 
     /// What is kept of the surfaces [default: table]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "KIND", value_enum)]
     pub materials: Option<MaterialsArg>,
 
     /// The axis that points up; kept in the file for `render` [default: y]
-    #[arg(long, value_enum)]
+    #[arg(long, value_name = "AXIS", value_enum)]
     pub up_axis: Option<UpAxisArg>,
 }
 
@@ -58,6 +58,22 @@ impl BuildArgs {
         ];
         flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
     }
+
+    /// The flags that were given, as they can be typed again after other words.
+    pub fn typed(&self) -> String {
+        fn name<T: ValueEnum>(value: T) -> String {
+            value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
+        }
+        let flags = [
+            self.resolution.map(|n| format!(" -r {n}")),
+            self.voxel_size.map(|s| format!(" --voxel-size {}", number_text(s))),
+            self.origin.map(|[x, y, z]| format!(" --origin {},{},{}", number_text(x), number_text(y), number_text(z))),
+            self.cover.map(|cover| format!(" --cover {}", name(cover))),
+            self.materials.map(|materials| format!(" --materials {}", name(materials))),
+            self.up_axis.map(|axis| format!(" --up-axis {}", name(axis))),
+        ];
+        flags.into_iter().flatten().collect()
+    }
 }
 
 /// Which voxels a triangle fills.
@@ -66,7 +82,7 @@ pub enum CoverArg {
     /// Every voxel that the triangle meets: no gap
     #[default]
     Exact,
-    /// The fewest that no ray slips through along an axis (6-separating)
+    /// Fewer: a thin sheet (6-separating) whose edges let some rays through
     Thin,
     /// A little more, so that it also covers the vertices before they are snapped to the grid
     Inflated,
@@ -127,15 +143,15 @@ pub struct PictureArgs {
     pub ambient: [f32; 3],
 
     /// Where the surface's direction is taken from
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub normals: NormalsArg,
 
-    /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64
-    #[arg(long, value_name = "N", default_value = "4", value_parser = samples)]
-    pub samples: Samples,
+    /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64 [default: 4]
+    #[arg(long, value_name = "N", value_parser = samples)]
+    pub samples: Option<Samples>,
 
     /// How rays are followed
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
 }
 

@@ -69,7 +69,7 @@ mod tests {
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let slow_when_even = |i: usize| {
-                if i % 2 == 0 {
+                if i.is_multiple_of(2) {
                     std::thread::sleep(std::time::Duration::from_micros(300));
                 }
                 i * i

@@ -29,7 +29,8 @@ pub fn clean_up_when_interrupted() {
         }
         // A progress line may stand there.
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
-        eprintln!("{clear}interrupted: no output was written");
+        let what = if files.is_empty() { "" } else { ": nothing was written" };
+        eprintln!("{clear}interrupted{what}");
         std::process::exit(INTERRUPTED);
     };
     // Without a handler an interrupt still ends the program; only a temporary file may stay.

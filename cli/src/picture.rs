@@ -14,7 +14,7 @@ use voxdag::grid::UpAxis;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::normal::NormalKind;
-use voxdag::render::{Counters, Settings, View, render_rows};
+use voxdag::render::{Counters, Samples, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
 use voxdag::trace::Arithmetic;
 use voxdag::{Dag, Grid, Material};
@@ -28,6 +28,8 @@ use crate::report::grouped;
 pub struct Picture {
     pub width: u32,
     pub height: u32,
+    /// Per pixel.
+    pub samples: u32,
     /// Row by row from the top left; red in the lowest byte.
     pixels: Vec<u32>,
     pub rays: Rays,
@@ -115,6 +117,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     Ok(Picture {
         width,
         height,
+        samples: settings.samples.count(),
         pixels,
         rays: Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary },
         hits: counters.hits,
@@ -150,7 +153,7 @@ fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
-        samples: args.samples,
+        samples: args.samples.unwrap_or(Samples::Four),
         normals: match args.normals {
             NormalsArg::Face => NormalKind::Face,
             NormalsArg::Stored => NormalKind::Stored,

@@ -61,6 +61,11 @@ pub fn next(arguments: impl std::fmt::Display) {
     eprintln!("{gap}next: {} {arguments}", program());
 }
 
+/// The arguments of this run as they must be typed.
+pub fn typed() -> String {
+    std::env::args_os().skip(1).map(|word| shell_word(Path::new(&word))).collect::<Vec<_>>().join(" ")
+}
+
 /// A path as it must be typed: in quotes if the shell would take it apart.
 pub fn shell_word(path: &Path) -> String {
     let text = path.display().to_string();
@@ -84,7 +89,7 @@ pub fn grouped(number: u64) -> String {
     let digits = number.to_string();
     let mut out = String::with_capacity(digits.len() * 4 / 3);
     for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
             out.push(',');
         }
         out.push(digit);
@@ -108,10 +113,19 @@ pub fn size(bytes: u64) -> String {
     }
 }
 
-/// A time in seconds, with as many digits as mean something.
-pub fn seconds(ms: f64) -> String {
-    let s = ms / 1000.0;
-    if s < 10.0 { format!("{s:.2} s") } else { format!("{s:.1} s") }
+/// A time, with as many digits as mean something.
+pub fn time(ms: f64) -> String {
+    match ms {
+        ..10.0 => format!("{ms:.1} ms"),
+        ..1000.0 => format!("{ms:.0} ms"),
+        ..10_000.0 => format!("{:.2} s", ms / 1000.0),
+        _ => format!("{:.1} s", ms / 1000.0),
+    }
+}
+
+/// A number with the digits that bring the same bits back.
+pub fn number(x: f64) -> String {
+    if x == 0.0 || (1e-9..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }
 
 /// How much sharing saves: nodes of the octree, and unique nodes of the DAG.
@@ -127,7 +141,7 @@ pub fn peak(bytes: Option<u64>) -> String {
 
 /// Three numbers, each with the digits that bring the same bits back.
 pub fn triple(v: [f64; 3]) -> String {
-    format!("{}, {}, {}", v[0], v[1], v[2])
+    v.map(number).join(", ")
 }
 
 #[cfg(test)]
@@ -141,6 +155,15 @@ mod tests {
             [0, 1023, 1024, 999_376, 1 << 30].map(size),
             ["0 bytes", "1023 bytes", "1.00 KiB", "976.0 KiB", "1.00 GiB"]
         );
+    }
+
+    #[test]
+    fn times_and_numbers() {
+        assert_eq!([0.26, 54.57, 912.0, 3160.0, 12_449.0].map(time), ["0.3 ms", "55 ms", "912 ms", "3.16 s", "12.4 s"]);
+        for x in [0.0, -0.1, 1.0 / 3.0, 5e-324, 1e-9, f64::MAX] {
+            assert_eq!(number(x).parse(), Ok(x));
+            assert!(number(x).len() < 28, "{}", number(x));
+        }
     }
 
     #[test]

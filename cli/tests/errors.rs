@@ -182,3 +182,40 @@ fn an_interrupt_removes_what_is_half_written_and_exits_with_130() {
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(s.files(), ["box.mtl", "box.obj"]);
 }
+
+/// Writes `name` with one row of three voxels, and a table that has entries for `entries` (x coordinates).
+fn scene_with_entries(s: &Sandbox, name: &str, entries: &[u32]) {
+    use voxdag::materials::AnyMaterials;
+    use voxdag::table::{Entry, TableBuf};
+    let at = |x| voxdag::Morton::encode([x, 0, 0]).unwrap();
+    let mut builder = voxdag::build::DagBuilder::new(2).unwrap();
+    builder.push(at(0), [0, 1, 2].map(|x| 1 << at(x).0).iter().sum()).unwrap();
+    let dag = builder.finish().unwrap();
+    let mut table = TableBuf::new(entries.len() as u64, false).unwrap();
+    table.insert_all(entries.iter().map(|&x| (at(x), Entry { material: 0, normal: None }))).unwrap();
+    let parts = voxdag::file::Parts {
+        grid: voxdag::Grid { origin: [0.0; 3], voxel_size: 1.0, resolution: 4 },
+        bounds: voxdag::grid::Bounds { min: [0.0; 3], max: [4.0; 3] },
+        up: Default::default(),
+        metres_per_unit: 0.0,
+        dag: dag.dag(),
+        voxel_materials: AnyMaterials::Table(table.as_table()),
+        materials: &[voxdag::Material::GREY],
+        names: &["grey"],
+    };
+    let words = parts.to_vec().unwrap();
+    s.write(name, words.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<_>>());
+}
+
+#[test]
+fn verify_holds_the_table_against_the_voxels() {
+    let s = Sandbox::new();
+    scene_with_entries(&s, "right.vxd", &[0, 1, 2]);
+    scene_with_entries(&s, "less.vxd", &[0, 2]);
+    scene_with_entries(&s, "more.vxd", &[0, 1, 2, 3]);
+    scene_with_entries(&s, "other.vxd", &[0, 1, 3]);
+    s.ok("verify right.vxd");
+    s.run("verify less.vxd").fails(3, &["less.vxd", "3 voxels, but 2 entries"]);
+    s.run("verify more.vxd").fails(3, &["more.vxd", "3 voxels, but 4 entries"]);
+    s.run("verify other.vxd").fails(3, &["other.vxd", "voxel (2, 0, 0) has no entry"]);
+}

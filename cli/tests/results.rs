@@ -109,6 +109,20 @@ fn a_mesh_and_its_scene_give_the_same_picture() {
 }
 
 #[test]
+fn the_next_command_keeps_the_flags_and_works() {
+    let s = Sandbox::new();
+    let flags = "-r 40 --voxel-size 0.1 --origin -1,-1,-1 --cover thin --materials table-normals --up-axis z";
+    let run = s.ok(&format!("render box.obj -o out.png --size 16x9 {flags}"));
+    let next = run.stderr.lines().last().unwrap();
+    assert!(next.ends_with(&format!(" build box.obj -o out.vxd {flags}")), "{next}");
+    s.ok(next.split_once(" build ").map(|(_, rest)| format!("build {rest}")).unwrap().as_str());
+    let run = s.ok("render out.vxd -o again.png --size 16x9 --eye -3,2,4");
+    let next = run.stderr.lines().last().unwrap();
+    assert!(next.ends_with(" render out.vxd -o again.png --size 16x9 --eye -3,2,4 --samples 16"), "{next}");
+    s.ok("render out.vxd -o again.png --size 16x9 --eye -3,2,4 --samples 16");
+}
+
+#[test]
 fn render_reports_what_it_did() {
     let s = Sandbox::new();
     let json = s.ok("render box.obj -o box.png -r 64 --size 80x60 --samples 5 --json").json();
@@ -167,7 +181,7 @@ fn files_are_found_beside_the_mesh_and_names_may_hold_spaces() {
 #[test]
 fn the_demo_draws_its_picture() {
     let s = Sandbox::new();
-    let run = s.ok("demo -r 64 --size 64x36 --json");
+    let run = s.ok("demo --json");
     let json = run.json();
     has_keys(&json, "triangles voxels octree_nodes nodes bricks bytes.file ms.total peak_rss_bytes picture");
     assert!(s.read("voxdag-demo.png").starts_with(b"\x89PNG"));

@@ -71,8 +71,13 @@ fn every_run_ends_with_the_next_command() {
     {
         let run = s.ok(line);
         let last = run.stderr.lines().last().unwrap_or_default();
-        assert!(last.starts_with("next: ") && last.contains("voxdag"), "{line}: {last}");
+        let program = last.strip_prefix("next: ").and_then(|command| command.split(' ').next());
+        assert_eq!(program, Some(env!("CARGO_BIN_EXE_voxdag")), "{line}: {last}");
     }
+    // Through cargo it is cargo's command.
+    let output = s.command("info box.vxd").env("CARGO_MANIFEST_DIR", "/work/voxdag/cli").output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert!(stderr.contains("next: cargo run ") && stderr.contains(" -- render box.vxd -o box.png"), "{stderr}");
 }
 
 #[cfg(unix)]

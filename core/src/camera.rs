@@ -14,7 +14,8 @@ pub struct Camera {
     pub eye: [f64; 3],
     /// What it looks at: the middle of the picture.
     pub target: [f64; 3],
-    /// What points upwards in the picture, of any length. Parallel to the view it says nothing; see [`Camera::checked`].
+    /// What points upwards in the picture, of any length. Parallel to the view it says nothing; see
+    /// [`Camera::checked`].
     pub up: [f64; 3],
     /// Angle between the picture's top and bottom in degrees, above 0 and below 180.
     pub fov_y: f64,

@@ -1,7 +1,7 @@
 //! Colours: linear light inside, sRGB at both ends (IEC 61966-2-1).
 //!
-//! In: linear f32 samples, or sRGB values of a file. Out: exact means as sRGB bytes. Samples become integers before they
-//! are summed, so the mean depends neither on their order nor on how they are shared out, and it saturates after
+//! In: linear f32 samples, or sRGB values of a file. Out: exact means as sRGB bytes. Samples become integers before
+//! they are summed, so the mean depends neither on their order nor on how they are shared out, and it saturates after
 //! averaging: a sample may be up to 16 times as bright as white. The curve's only power, u^(12/5), is a fifth root by
 //! Newton's method, so that the table of thresholds is made by the compiler.
 

@@ -171,15 +171,21 @@ impl Grid {
     ///
     /// The far border `256 N` belongs to the last voxel, so that planes on voxel boundaries stay where they are.
     pub fn snap(&self, p: [f64; 3]) -> Option<[i32; 3]> {
+        let last = SUB * i64::from(self.resolution) - 1;
+        Some(self.snap_nearest(p)?.map(|q| q.min(last as i32)))
+    }
+
+    /// [`Grid::snap`] with the far border left at `256 N`, so that nothing moves by more than half a unit.
+    pub(crate) fn snap_nearest(&self, p: [f64; 3]) -> Option<[i32; 3]> {
         let scale = SUB as f64 / self.voxel_size;
-        let last = SUB * i64::from(self.resolution);
+        let border = (SUB * i64::from(self.resolution)) as f64;
         let mut q = [0; 3];
         for i in 0..3 {
             let x = libm::rint((p[i] - self.origin[i]) * scale);
-            if !(x >= 0.0 && x <= last as f64) {
+            if !(x >= 0.0 && x <= border) {
                 return None;
             }
-            q[i] = (x as i64).min(last - 1) as i32;
+            q[i] = x as i32;
         }
         Some(q)
     }

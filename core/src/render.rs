@@ -1,8 +1,8 @@
 //! Rows of pixels: camera rays traced, shaded, averaged and encoded.
 //!
 //! In: a view of a scene, settings, a range of rows and room for their pixels. Out: RGBA8 pixels and how many rays they
-//! took. A pixel depends on nothing but the scene, the settings and its place: rows can be rendered in any order, on any
-//! number of threads, and give the same bits. Nothing is allocated.
+//! took. A pixel depends on nothing but the scene, the settings and its place: rows can be rendered in any order, on
+//! any number of threads, and give the same bits. Nothing is allocated.
 //!
 //! Rays run in grid coordinates, surfaces are lit in the world's: the map between them keeps directions. Materials and
 //! normals are looked up at hits only.

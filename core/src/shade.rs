@@ -1,9 +1,9 @@
 //! Phong's reflection model (Pineda 2021, section 2.1.1): what a lit surface sends to the viewer.
 //!
 //! In: a material, a unit normal, the point, the way to the viewer, lights. Out: linear red, green, blue, unclamped:
-//! `Ia Ka + sum over lights (Id Kd (L.N) + Is Ks (V.R)^alpha)` with Id = Is = the light's colour. Differs from the thesis:
-//! no highlight from behind (`L.N <= 0`) or off the mirror direction (`V.R <= 0`); a light at the very point gives
-//! nothing. Ke, shadows and reflections are effects of their own and not part of this equation.
+//! `Ia Ka + sum over lights (Id Kd (L.N) + Is Ks (V.R)^alpha)` with Id = Is = the light's colour. Differs from the
+//! thesis: no highlight from behind (`L.N <= 0`) or off the mirror direction (`V.R <= 0`); a light at the very point
+//! gives nothing. Ke, shadows and reflections are effects of their own and not part of this equation.
 //!
 //! Every term is skipped, not multiplied by 0, where it does not apply: a material without a highlight raises no power.
 

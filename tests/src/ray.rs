@@ -227,13 +227,14 @@ impl Line {
         (level, corner): (u8, [i64; 3]),
         stop: u8,
         any_filled: &dyn Fn(u8, [u32; 3]) -> bool,
+        counts: &dyn Fn([i64; 3], &Span) -> bool,
         span: &Span,
     ) -> Option<(u8, [i64; 3], Span)> {
         if !any_filled(level, corner.map(|k| k as u32)) {
             return None;
         }
         if level <= stop {
-            return Some((level, corner, span.clone()));
+            return counts(corner, span).then(|| (level, corner, span.clone()));
         }
         let half = 1i64 << (level - 1);
         let halves: [[Option<Span>; 2]; 3] = core::array::from_fn(|axis| {
@@ -251,7 +252,7 @@ impl Line {
             .collect();
         // The spans are disjoint, so that their starts order them.
         children.sort_by(|a, b| a.0.start.cmp(&b.0.start));
-        children.iter().find_map(|(span, child)| self.descend((level - 1, *child), stop, any_filled, span))
+        children.iter().find_map(|(span, child)| self.descend((level - 1, *child), stop, any_filled, counts, span))
     }
 }
 
@@ -262,8 +263,42 @@ impl Line {
 pub fn first(ray: &Ray, depth: u8, level: u8, any_filled: &dyn Fn(u8, [u32; 3]) -> bool) -> Option<Truth> {
     let line = Line::new(ray)?;
     let span = line.span([0; 3], 1 << depth)?;
-    let (level, corner, span) = line.descend((depth, [0; 3]), level, any_filled, &span)?;
+    let (level, corner, span) = line.descend((depth, [0; 3]), level, any_filled, &|_, _| true, &span)?;
     Some(line.truth(corner, 1 << level, &span, depth))
+}
+
+/// The first filled voxel whose open interior the ray meets in the cube of side 2^`depth`: what no tracer may miss,
+/// whatever its rounding.
+pub fn first_interior(ray: &Ray, depth: u8, any_filled: &dyn Fn(u8, [u32; 3]) -> bool) -> Option<Truth> {
+    let line = Line::new(ray)?;
+    let span = line.span([0; 3], 1 << depth)?;
+    // The interior is met for more than a moment, and by no line that stays in a face.
+    let inside = |corner: [i64; 3], span: &Span| {
+        let in_a_face = |i: usize| line.dir[i].sign() == 0 && line.origin[i] == Rational::from(corner[i]);
+        span.start.time < span.end.time && !(0..3).any(in_a_face)
+    };
+    let (_, corner, span) = line.descend((depth, [0; 3]), 0, any_filled, &inside, &span)?;
+    Some(line.truth(corner, 1, &span, depth))
+}
+
+/// Whether the ray comes to the closed voxel at all (`t_max` included).
+pub fn touches(ray: &Ray, voxel: [u32; 3]) -> bool {
+    let Some(line) = Line::new(ray) else { return false };
+    let mut start = line.range.start.time.clone();
+    let mut end = line.range.end.time.clone();
+    for axis in 0..3 {
+        let (lo, hi) = (i64::from(voxel[axis]), i64::from(voxel[axis]) + 1);
+        if line.dir[axis].sign() == 0 {
+            if line.origin[axis] < Rational::from(lo) || line.origin[axis] > Rational::from(hi) {
+                return false;
+            }
+            continue;
+        }
+        let (near, far) = if line.dir[axis].sign() > 0 { (lo, hi) } else { (hi, lo) };
+        start = start.max(Time::At(line.crossing(axis, near)));
+        end = end.min(Time::At(line.crossing(axis, far)));
+    }
+    start <= end
 }
 
 /// All voxels that the ray meets in the cube of side 2^`depth`, in order, at most `limit`: by stepping from plane to

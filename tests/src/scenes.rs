@@ -43,10 +43,9 @@ impl Shape {
         self.triangles.iter().map(|t| t.map(|v| self.positions[v as usize]))
     }
 
-    /// The triangles in 1/256 voxel, by the rule of the design: rounded half to even, the far border of `resolution`
-    /// voxels pulled in by one unit. Our own rounding: the core's `rint` is not asked.
-    pub fn snapped(&self, origin: [f64; 3], voxel_size: f64, resolution: u32) -> Vec<Triangle> {
-        let snap = |p: [f64; 3]| -> [i64; 3] {
+    /// The triangles in 1/256 voxel, rounded half to even. Our own rounding: the core's `rint` is not asked.
+    pub fn rounded(&self, origin: [f64; 3], voxel_size: f64) -> Vec<Triangle> {
+        let round = |p: [f64; 3]| -> [i64; 3] {
             core::array::from_fn(|i| {
                 let x = (p[i] - origin[i]) * (SUB as f64 / voxel_size);
                 let floor = x.floor();
@@ -54,10 +53,18 @@ impl Shape {
                     0.5 => floor % 2.0 != 0.0,
                     r => r > 0.5,
                 };
-                (floor as i64 + i64::from(up)).min(SUB * i64::from(resolution) - 1)
+                floor as i64 + i64::from(up)
             })
         };
-        self.corners().map(|t| t.map(snap)).collect()
+        self.corners().map(|t| t.map(round)).collect()
+    }
+
+    /// The triangles in 1/256 voxel, by the rule of the design: rounded, and the far border of `resolution` voxels pulled
+    /// in by one unit.
+    pub fn snapped(&self, origin: [f64; 3], voxel_size: f64, resolution: u32) -> Vec<Triangle> {
+        let last = SUB * i64::from(resolution) - 1;
+        let rounded = self.rounded(origin, voxel_size);
+        rounded.into_iter().map(|t| t.map(|p| p.map(|x| x.min(last)))).collect()
     }
 }
 

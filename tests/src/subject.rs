@@ -85,7 +85,8 @@ pub fn true_cover(shape: &Shape, grid: &Grid, cover: Cover) -> BTreeSet<[u32; 3]
     let depth = grid.depth();
     let mut truth = match cover {
         Cover::Exact => crate::clip::cover(&triangles, depth, Cell::HalfOpen),
-        Cover::Inflated => crate::clip::cover(&triangles, depth, Cell::Inflated),
+        // Its guarantee is about the original floats, so nothing is pulled in.
+        Cover::Inflated => crate::clip::cover(&shape.rounded(grid.origin, grid.voxel_size), depth, Cell::Inflated),
         Cover::Thin => crate::thin::cover(&triangles, depth),
     };
     // An inflated voxel beyond the grid is none.

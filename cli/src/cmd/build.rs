@@ -9,7 +9,7 @@ use crate::error::Result;
 use crate::input;
 use crate::options::{BuildArgs, MachineArgs, ReportArgs};
 use crate::output::Output;
-use crate::report::{self, Lines, grouped, seconds, shell_word};
+use crate::report::{self, Lines, grouped, number, shell_word, time};
 use crate::scene::{self, Bytes, Cost};
 use crate::stats::{self, ms};
 
@@ -30,11 +30,11 @@ pub struct Args {
     output: PathBuf,
 
     #[command(flatten)]
+    report: ReportArgs,
+    #[command(flatten)]
     build: BuildArgs,
     #[command(flatten)]
     machine: MachineArgs,
-    #[command(flatten)]
-    report: ReportArgs,
 }
 
 /// What `build --json` prints.
@@ -115,7 +115,10 @@ fn lines(report: &Report, octree_nodes: u64) -> Lines {
     let Ms { parse, voxelize, reduce, materials, write, total } = report.ms;
     lines
         .row("triangles", grouped(report.triangles as u64))
-        .row("resolution", format!("{} (depth {}), voxel size {}", report.resolution, report.depth, report.voxel_size))
+        .row(
+            "resolution",
+            format!("{} (depth {}), voxel size {}", report.resolution, report.depth, number(report.voxel_size)),
+        )
         .row("voxels", grouped(report.voxels))
         .row("nodes", report::sharing(octree_nodes, report.nodes + report.bricks))
         .row("bytes", report.bytes.text())
@@ -123,12 +126,12 @@ fn lines(report: &Report, octree_nodes: u64) -> Lines {
             "time",
             format!(
                 "{}: parse {}, voxelize {}, reduce {}, materials {}, write {}",
-                seconds(total),
-                seconds(parse),
-                seconds(voxelize),
-                seconds(reduce),
-                seconds(materials),
-                seconds(write)
+                time(total),
+                time(parse),
+                time(voxelize),
+                time(reduce),
+                time(materials),
+                time(write)
             ),
         )
         .row("memory", report::peak(report.peak_rss_bytes))

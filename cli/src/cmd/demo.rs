@@ -5,13 +5,12 @@ use std::time::Instant;
 
 use serde::Serialize;
 use voxdag::demo;
-use voxdag::render::Samples;
 
 use crate::error::Result;
 use crate::options::{ArithmeticArg, BuildArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs};
 use crate::output::Output;
 use crate::picture;
-use crate::report::{self, Lines, grouped, seconds};
+use crate::report::{self, Lines, grouped, time};
 use crate::scene::{self, Bytes, Cost};
 use crate::stats::{self, ms};
 
@@ -19,9 +18,9 @@ use crate::stats::{self, ms};
 #[derive(clap::Args)]
 pub struct Args {
     #[command(flatten)]
-    machine: MachineArgs,
-    #[command(flatten)]
     report: ReportArgs,
+    #[command(flatten)]
+    machine: MachineArgs,
 }
 
 const PICTURE: &str = "voxdag-demo.png";
@@ -103,7 +102,7 @@ fn view() -> PictureArgs {
         lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
         ambient: view.ambient,
         normals: NormalsArg::default(),
-        samples: Samples::Four,
+        samples: None,
         arithmetic: ArithmeticArg::default(),
     }
 }
@@ -122,11 +121,11 @@ fn lines(report: &Report) -> Lines {
             "time",
             format!(
                 "{} on {} threads: parse {}, build {}, draw {}",
-                seconds(total),
+                time(total),
                 report.threads,
-                seconds(parse),
-                seconds(build),
-                seconds(trace)
+                time(parse),
+                time(build),
+                time(trace)
             ),
         )
         .row("memory", report::peak(report.peak_rss_bytes))

@@ -10,7 +10,7 @@ use voxdag::material::MaterialId;
 use crate::error::Result;
 use crate::input;
 use crate::options::ReportArgs;
-use crate::report::{self, Lines, grouped, shell_word, size, triple};
+use crate::report::{self, Lines, grouped, number, shell_word, size, triple};
 use crate::scene::{self, Bytes};
 
 /// Show what a voxel scene holds
@@ -122,7 +122,7 @@ fn lines(report: &Report) -> Lines {
         .row("resolution", report.resolution.to_string())
         .row("depth", report.depth.to_string())
         .row("origin", triple(report.origin))
-        .row("voxel size", report.voxel_size.to_string())
+        .row("voxel size", number(report.voxel_size))
         .row("box", format!("{} to {}", triple(report.bounds.min), triple(report.bounds.max)))
         .row("up axis", report.up_axis)
         .row("voxels", grouped(report.voxels))

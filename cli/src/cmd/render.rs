@@ -10,7 +10,7 @@ use crate::input::{self, Content};
 use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
 use crate::output::Output;
 use crate::picture::{self, Picture, Rays, Shown};
-use crate::report::{self, Lines, grouped, seconds, shell_word};
+use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::stats::{self, ms};
 
@@ -31,13 +31,13 @@ pub struct Args {
     output: PathBuf,
 
     #[command(flatten)]
+    report: ReportArgs,
+    #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
     build: BuildArgs,
     #[command(flatten)]
     machine: MachineArgs,
-    #[command(flatten)]
-    report: ReportArgs,
 }
 
 /// What `render --json` prints.
@@ -47,6 +47,8 @@ struct Report<'a> {
     height: u32,
     /// Per pixel.
     samples: u32,
+    /// Of the voxels.
+    resolution: u32,
     rays: Rays,
     /// Primary rays that hit a voxel.
     hits: u64,
@@ -73,21 +75,21 @@ pub fn run(args: &Args) -> Result<()> {
     output.must_not_replace(std::slice::from_ref(&args.input))?;
     let pool = args.machine.pool()?;
 
-    let picture = match input::read(&args.input, &args.machine)? {
+    let (picture, grid, is_scene) = match input::read(&args.input, &args.machine)? {
         Content::Scene(words) => {
             if let Some(flag) = args.build.given() {
                 return Err(Error::usage(format_args!("{flag}: {} is built already", args.input.display()))
                     .hint("leave the flag away, or name the mesh instead of the scene"));
             }
             let scene = scene::open(&args.input, &words)?;
-            pool.install(|| picture::draw(&Shown::of(&scene), &args.picture, &args.machine))?
+            (pool.install(|| picture::draw(&Shown::of(&scene), &args.picture, &args.machine))?, scene.grid, true)
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text)?;
             output.must_not_replace(&source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
             drop(source);
-            pool.install(|| picture::draw(&built.shown(), &args.picture, &args.machine))?
+            (pool.install(|| picture::draw(&built.shown(), &args.picture, &args.machine))?, built.grid, false)
         }
     };
     output.finish(|file| picture.write_png(file))?;
@@ -96,7 +98,8 @@ pub fn run(args: &Args) -> Result<()> {
     let report = Report {
         width,
         height,
-        samples: args.picture.samples.count(),
+        samples: picture.samples,
+        resolution: grid.resolution,
         rays,
         hits,
         ms: Ms { trace: ms(trace), total: ms(start.elapsed()) },
@@ -105,12 +108,14 @@ pub fn run(args: &Args) -> Result<()> {
         threads: pool.current_num_threads(),
     };
     report::result(args.report.json, &report, &lines(&report))?;
-    let (input, output) = (shell_word(&args.input), shell_word(&args.output));
-    if input.ends_with(".vxd") {
-        report::next(format_args!("render {input} -o {output} --samples 16"));
+    let input = shell_word(&args.input);
+    if !is_scene {
+        let scene = shell_word(&args.output.with_extension("vxd"));
+        report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
+    } else if args.picture.samples.is_none() {
+        report::next(format_args!("{} --samples 16", report::typed()));
     } else {
-        let scene = shell_word(&args.input.with_extension("vxd"));
-        report::next(format_args!("build {input} -o {scene}"));
+        report::next(format_args!("info {input}"));
     }
     Ok(())
 }
@@ -121,10 +126,11 @@ fn lines(report: &Report<'_>) -> Lines {
     let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
     lines
         .row("picture", format!("{}x{}, {} samples per pixel", report.width, report.height, report.samples))
+        .row("resolution", format!("{} voxels along the longest axis", grouped(report.resolution.into())))
         .row("rays", report.rays.text())
         .row("hits", format!("{} ({share:.1} %)", grouped(report.hits)))
         .row("effects", if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") })
-        .row("time", format!("{}: trace {}", seconds(report.ms.total), seconds(report.ms.trace)))
+        .row("time", format!("{}: trace {}", time(report.ms.total), time(report.ms.trace)))
         .row("memory", report::peak(report.peak_rss_bytes))
         .row("threads", report.threads.to_string());
     lines

@@ -70,7 +70,8 @@ impl Sandbox {
 
     pub fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_voxdag"));
-        command.current_dir(self.0.path()).args(line.split_whitespace());
+        // As a user would call it, not as `cargo run` does.
+        command.current_dir(self.0.path()).args(line.split_whitespace()).env_remove("CARGO_MANIFEST_DIR");
         command
     }
 

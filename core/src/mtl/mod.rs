@@ -16,6 +16,7 @@ use alloc::string::String;
 use alloc::vec::Vec;
 use std::collections::HashMap;
 
+use crate::color::srgb_to_linear;
 use crate::material::{MAX_SHININESS, Material};
 use crate::text::{Notes, decode, finite, quote, split_keyword, statements, words};
 
@@ -261,22 +262,4 @@ fn color(keyword: &str, arguments: &str) -> Result<[f32; 3], String> {
         })?;
     }
     Ok(rgb)
-}
-
-/// The electro-optical transfer function of sRGB (IEC 61966-2-1), continued above 1.
-fn srgb_to_linear(encoded: f64) -> f64 {
-    if encoded <= 0.04045 { encoded / 12.92 } else { libm::pow((encoded + 0.055) / 1.055, 2.4) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_srgb_curve_has_its_known_values() {
-        // From the standard's own definition: 0, the knee, mid grey 118/255 -> 0.18, white.
-        let close = |x: f64, y: f64| (srgb_to_linear(x) - y).abs() < 1e-3;
-        assert!(srgb_to_linear(0.0) == 0.0 && srgb_to_linear(1.0) == 1.0);
-        assert!(close(0.04045, 0.0031308) && close(118.0 / 255.0, 0.1812) && close(0.5, 0.2140) && close(2.0, 4.9539));
-    }
 }

@@ -1,14 +1,14 @@
 //! The surface's direction at a hit, from the occupancy around it (Pineda 2021, section 4.3) or as stored.
 //!
-//! In: a DAG, a hit on it and the ray's direction. Out: always a unit vector on the viewer's side, and how it was found.
-//! Exact integer moments decide every degenerate case, so what happens does not depend on where a neighbourhood lies or
-//! how it is turned:
+//! In: a DAG, a hit on it and the ray's direction. Out: always a unit vector out of the surface, and how it was found.
+//! Exact integer moments decide every degenerate case, so neither the place of a neighbourhood nor how it is turned
+//! matters: a plane if the voxels are flat enough (l0 / l1 <= 0.6), otherwise the gradient, otherwise the entry face;
+//! for voxels on a line the view direction made perpendicular to it, otherwise the entry face.
 //!
-//! * a plane if the voxels are flat enough (l0 / l1 <= 0.6), otherwise the gradient, otherwise the entry face;
-//! * voxels on a line: the view direction made perpendicular to it, otherwise the entry face.
-//!
-//! Side: `n . d < 0`; if that is 0, `n . face > 0`; if that is 0 too, the face. (The thesis asks the face alone, which
-//! leaves normals that point away from the viewer.)
+//! Side: of a plane's two normals the one along `face - d + (voxel - centre)`, with the entry face's normal, the ray's
+//! unit direction, and the centre of the filled voxels around; if neither is, the entry face. Differs from the thesis,
+//! which asks the face alone and errs for up to 24 % of the hits on bumpy floors, and from `n . d < 0`, which errs for
+//! 0.3 to 2 % on balls, where voxels beyond the horizon stick out. In the same pictures the sum never did.
 
 mod plane;
 mod window;
@@ -60,7 +60,8 @@ pub enum Confidence {
 /// A normal, and how it was found.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Normal {
-    /// Unit length, on the side the ray comes from.
+    /// Unit length, out of the surface on the side the ray comes from. It may lean away from the viewer where the
+    /// surface does: a voxel behind the horizon that sticks out.
     pub direction: [f32; 3],
     /// How it was found.
     pub confidence: Confidence,
@@ -70,10 +71,10 @@ pub struct Normal {
 ///
 /// Total: also for a voxel that is not filled or a direction that is none, the answer is a unit vector.
 pub fn normal<M: Materials>(dag: Dag<'_>, materials: M, hit: &Hit, dir: [f64; 3], kind: NormalKind) -> Normal {
-    let view = View { dir, face: entry_face(hit.face, dir) };
+    let view = View::new(hit.face, dir);
     let stored = || {
-        let n = materials.normal(dag, hit.voxel)?;
-        view.facing(n.map(f64::from), Confidence::Stored)
+        let n = math::normalize(materials.normal(dag, hit.voxel)?.map(f64::from))?;
+        oriented(n, view.outwards, Confidence::Stored)
     };
     let found = match kind {
         NormalKind::Face => None,
@@ -86,53 +87,67 @@ pub fn normal<M: Materials>(dag: Dag<'_>, materials: M, hit: &Hit, dir: [f64; 3]
     found.unwrap_or(Normal { direction: view.face.map(|x| x as f32), confidence: Confidence::Face })
 }
 
-/// What decides on the side.
+/// Where a hit is seen from.
 struct View {
+    /// Direction of the ray.
     dir: [f64; 3],
     /// Unit normal of the side of entry.
     face: [f64; 3],
+    /// Out of the surface as far as the ray tells: `face`, less the ray's unit direction.
+    outwards: [f64; 3],
 }
 
 impl View {
+    fn new(face: Face, dir: [f64; 3]) -> View {
+        let face = entry_face(face, dir);
+        View { dir, face, outwards: math::sub(face, math::normalize(dir).unwrap_or([0.0; 3])) }
+    }
+
     /// From the voxels at most `radius` away along each axis; `None`: entry face.
     fn plane(&self, dag: Dag<'_>, voxel: Morton, radius: u32) -> Option<Normal> {
-        match plane::fit(&Moments::around(dag, voxel, radius)) {
+        let moments = Moments::around(dag, voxel, radius);
+        match plane::fit(&moments) {
             Fit::Point => None,
             Fit::Line(line) => {
                 // line x (dir x line) = dir |line|^2 - line (line . dir), exactly 0 if they are parallel.
                 let across = math::cross(line, math::cross(self.dir, line));
-                self.facing(across, Confidence::Line)
+                oriented(across, self.dir.map(|x| -x), Confidence::Line)
             }
             Fit::Solid => self.gradient(dag, voxel),
-            Fit::Plane { normal, ratio } => self.facing(normal, Confidence::Plane { ratio: ratio as f32 }),
+            Fit::Plane { normal, ratio } => {
+                let outwards = math::add_scaled(self.outwards, moments.out_of_center(voxel, radius), 1.0);
+                oriented(normal, outwards, Confidence::Plane { ratio: ratio as f32 })
+            }
         }
     }
 
     /// From filled to empty among the six neighbours; outside the cube is empty. `None`: entry face.
     fn gradient(&self, dag: Dag<'_>, voxel: Morton) -> Option<Normal> {
+        let own = dag.brick(voxel);
         let filled = |axis: usize, step: i32| {
             let mut offset = [0; 3];
             offset[axis] = step;
-            f64::from(u8::from(voxel.neighbour(offset).is_some_and(|v| dag.contains(v))))
+            let Some(v) = voxel.neighbour(offset) else { return 0.0 };
+            // Three of four neighbours lie in the same brick.
+            let mask = if v.0 >> 6 == voxel.0 >> 6 { own } else { dag.brick(v) };
+            (mask >> (v.0 & 63) & 1) as f64
         };
-        self.facing(core::array::from_fn(|i| filled(i, -1) - filled(i, 1)), Confidence::Gradient)
+        oriented(core::array::from_fn(|i| filled(i, -1) - filled(i, 1)), self.outwards, Confidence::Gradient)
     }
+}
 
-    /// `n` at unit length, on the viewer's side; `None` if it has no direction or no side.
-    fn facing(&self, n: [f64; 3], confidence: Confidence) -> Option<Normal> {
-        let n = math::normalize(n)?;
-        let away = math::dot(n, self.dir);
-        // Where the plane is seen edge-on, the side of entry decides.
-        let towards = if away != 0.0 { -away } else { math::dot(n, self.face) };
-        let direction = if towards > 0.0 {
-            n
-        } else if towards < 0.0 {
-            n.map(|x| -x)
-        } else {
-            return None;
-        };
-        Some(Normal { direction: direction.map(|x| x as f32), confidence })
-    }
+/// `n`, whose square is far from the limits of f64, at unit length and turned `outwards`; `None` if it is 0 or at right
+/// angles to it.
+fn oriented(n: [f64; 3], outwards: [f64; 3], confidence: Confidence) -> Option<Normal> {
+    let side = math::dot(n, outwards);
+    let scale = if side > 0.0 {
+        1.0
+    } else if side < 0.0 {
+        -1.0
+    } else {
+        return None;
+    } / math::sqrt(math::dot(n, n));
+    Some(Normal { direction: n.map(|x| (x * scale) as f32), confidence })
 }
 
 /// Unit normal of the side of entry; for a ray that starts inside, against the largest component of its direction.

@@ -1,13 +1,13 @@
 //! The plane through a set of voxels: the smallest eigenvector of their covariance.
 //!
 //! In: exact moments. Out: the plane's normal with its quality, or why there is no plane. Differs from the thesis
-//! (section 4.3.2, after Ernerfeldt 2017), whose weighted regressions tilt by up to 10 degrees on two parallel sheets and
-//! do not commute with mirrors.
+//! (section 4.3.2, after Ernerfeldt 2017), whose weighted regressions tilt by up to 10 degrees on two parallel sheets
+//! and do not commute with mirrors.
 //!
 //! The covariance times n^2, its minors and its determinant are exact i64. The smallest eigenvalue comes from the
 //! characteristic polynomial, whose integer coefficients are the same for all 48 orientations of a neighbourhood, so
-//! every orientation takes the same branch. Newton's method from 0 climbs to it (the polynomial is concave and rising there)
-//! with `+ - * /` only. The eigenvector is the largest column of `adj(C - l0 I) = (l1 - l0) (l2 - l0) v v^T`: accurate
+//! every orientation takes the same branch. Newton's method from 0 climbs to it, as the polynomial is concave and
+//! rising there. The eigenvector is the largest column of `adj(C - l0 I) = (l1 - l0) (l2 - l0) v v^T`: accurate
 //! as long as l1 is clear of l0, which is the case wherever the answer is used, and exact zeros stay exact.
 
 use super::window::Moments;
@@ -83,7 +83,8 @@ pub(super) fn fit(m: &Moments) -> Fit {
 
 /// Smallest root of `l^3 - t l^2 + e2 l - e3`, all of whose roots are real and at least 0; `e2 > 0`.
 ///
-/// Eight steps reach full accuracy for l0 / l1 <= 0.6. Where roots coincide it stops short of them, still far above 0.6.
+/// Eight steps reach full accuracy for l0 / l1 <= 0.6. Where roots coincide it stops short of them, still far above
+/// 0.6.
 fn smallest_root(t: f64, e2: f64, e3: f64) -> f64 {
     let mut l = 0.0;
     for _ in 0..8 {

@@ -1,14 +1,14 @@
 //! The filled voxels around a voxel, gathered as brick masks, and their moments.
 //!
 //! In: a DAG, a voxel and a radius r. Out: number, sums and sums of products of the coordinates of the filled voxels in
-//! the (2 r + 1)^3 window around it. Exact integers, counted from the window's first brick, so where the window lies does
-//! not matter; voxels outside the cube are absent.
+//! the (2 r + 1)^3 window around it. Exact integers, counted from the window's first brick, so where the window lies
+//! does not matter; voxels outside the cube are absent.
 //!
-//! All bricks of a window are reached from the lowest node that holds it. Masks are summed by octants of 2^3 voxels (one
-//! byte each in Morton order), whose moments stand in a table as packed numbers that are added as they are: no population
-//! counts, which baseline x86-64 and wasm32 lack or emulate, and no look-up per voxel.
+//! All bricks of a window are reached from the lowest node that holds it. Masks are summed by octants of 2^3 voxels
+//! (one byte each in Morton order), whose moments stand in a table as packed numbers that are added as they are: no
+//! population counts, which baseline x86-64 and wasm32 lack or emulate, and no look-up per voxel.
 
-use crate::dag::{BRICK_LEVEL, Dag};
+use crate::dag::{BRICK_LEVEL, Dag, HEADER, ONES};
 use crate::morton::Morton;
 
 /// Exact moments of a set of voxels.
@@ -42,15 +42,8 @@ const OCTANT: [u64; 256] = {
     table
 };
 
-/// The count of packed moments.
-fn count(packed: u64) -> i64 {
-    (packed & 0x3ff) as i64
-}
-
-/// The sum along an axis of packed moments.
-fn sum(packed: u64, axis: usize) -> i64 {
-    count(packed >> (10 * (axis + 1)))
-}
+/// The lowest ten bits.
+const TEN: u64 = 0x3ff;
 
 /// `SLABS[axis][from][to]`: the voxels of a brick with `from <= coordinate <= to`.
 const SLABS: [[[u64; 4]; 4]; 3] = {
@@ -76,49 +69,66 @@ const SLABS: [[[u64; 4]; 4]; 3] = {
     slabs
 };
 
-/// Moments of the octants of a window, weighted by the octants' places (x, y, z in steps of two voxels).
-///
-/// The packed sums of a window seven voxels wide fit: at most 343 voxels, and at most 931 weighted by a place of 0 to 5.
-/// (Products overflow where they are weighted; they come last, and are read from the plain sum only.)
+/// Packed moments of a window. A coordinate is c + 2 h + 4 b with bits c and h and the brick's place b from 0 to 2, so
+/// that sums of squares and products come apart; all weighted sums of a window seven voxels wide fit their ten bits.
+/// (Weighted sums of products do not; they come last, and are read from the plain sums only.)
 #[derive(Default)]
 struct Sums {
-    plain: u64,
-    by_place: [u64; 3],
-    /// Counts, weighted by squares of places and by products; the axis that is missing gives the index.
-    squares: [i64; 3],
-    products: [i64; 3],
+    /// Moments of the c: plain, and weighted by h + 2 b along each axis.
+    cells: u64,
+    cells_by: [u64; 3],
+    /// Moments of the h: plain, and weighted by b along each axis.
+    halves: u64,
+    halves_by: [u64; 3],
+    /// Counts weighted by bb, ten bits each: xx, yy, zz, yz, xz, xy.
+    bricks: u64,
 }
 
 impl Sums {
-    /// Adds the voxels of the brick at `place` (in bricks) from the window's first one.
-    fn add(&mut self, place: [u32; 3], mask: u64) {
+    /// Adds the voxels of the brick at place `b` from the window's first one.
+    fn add(&mut self, b: [u32; 3], mask: u64) {
         let p = mask.to_le_bytes().map(|octant| OCTANT[octant as usize]);
-        // The octants whose place within the brick is odd along two axes, along one, and all.
-        let quarter = [p[6] + p[7], p[5] + p[7], p[3] + p[7]];
-        let half = [p[1] + p[5] + quarter[2], p[2] + p[6] + quarter[2], p[4] + p[5] + quarter[0]];
-        let all = p[0] + p[2] + p[4] + p[6] + half[0];
+        // Octants with h = 1 along two axes, along one, and all of them.
+        let two = [p[6] + p[7], p[5] + p[7], p[3] + p[7]];
+        let one = [p[1] + p[5] + two[2], p[2] + p[6] + two[2], p[4] + p[5] + two[0]];
+        let all = p[0] + p[2] + p[4] + p[6] + one[0];
 
-        let even = place.map(|b| 2 * u64::from(b));
-        let (n, h, e) = (count(all), half.map(count), even.map(|e| e as i64));
-        self.plain = self.plain.wrapping_add(all);
+        let b = b.map(u64::from);
+        let n = all & TEN;
+        let halves = n
+            | (one[0] & TEN) << 10
+            | (one[1] & TEN) << 20
+            | (one[2] & TEN) << 30
+            | (two[0] & TEN) << 40
+            | (two[1] & TEN) << 48
+            | (two[2] & TEN) << 56;
+        let [x, y, z] = b;
+        let weights = (x * x) | (y * y) << 10 | (z * z) << 20 | (y * z) << 30 | (x * z) << 40 | (x * y) << 50;
+        self.cells = self.cells.wrapping_add(all);
+        self.halves = self.halves.wrapping_add(halves);
+        self.bricks += n * weights;
         for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            self.by_place[i] = self.by_place[i].wrapping_add(half[i].wrapping_add(even[i].wrapping_mul(all)));
-            self.squares[i] += h[i] + e[i] * (2 * h[i] + e[i] * n);
-            self.products[i] += count(quarter[i]) + e[j] * (h[k] + e[k] * n) + e[k] * h[j];
+            self.cells_by[i] = self.cells_by[i].wrapping_add(one[i]).wrapping_add(all.wrapping_mul(2 * b[i]));
+            self.halves_by[i] = self.halves_by[i].wrapping_add(halves.wrapping_mul(b[i]));
         }
     }
 
-    /// A coordinate is c + 2 p with the place p and the bit c, which is its own square.
+    /// Takes the sums apart.
     fn moments(&self) -> Moments {
-        let mut m = Moments { count: count(self.plain), ..Moments::default() };
+        let ten = |packed: u64, place: usize| (packed >> (10 * place) & TEN) as i64;
+        let product = |packed: u64, i: usize| (packed >> (40 + 8 * i) & 0xff) as i64;
+        let mut m = Moments { count: ten(self.cells, 0), ..Moments::default() };
         for i in 0..3 {
             let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            let bits = sum(self.plain, i);
-            m.first[i] = bits + 2 * count(self.by_place[i]);
-            m.squares[i] = bits + 4 * (sum(self.by_place[i], i) + self.squares[i]);
-            let both = (self.plain >> (40 + 8 * i) & 0xff) as i64;
-            m.products[i] = both + 2 * (sum(self.by_place[j], k) + sum(self.by_place[k], j)) + 4 * self.products[i];
+            // With p = h + 2 b: c + 2 p; cc + 4 cp + 4 pp, where cc = c; c c' + 2 (c p' + p c') + 4 p p'.
+            let c = ten(self.cells, 1 + i);
+            let pp = ten(self.halves, 1 + i) + 4 * (ten(self.halves_by[i], 1 + i) + ten(self.bricks, i));
+            let mixed = ten(self.halves_by[j], 1 + k) + ten(self.halves_by[k], 1 + j);
+            let products = product(self.halves, i) + 2 * mixed + 4 * ten(self.bricks, 3 + i);
+            m.first[i] = c + 2 * ten(self.cells_by[i], 0);
+            m.squares[i] = c + 4 * (ten(self.cells_by[i], 1 + i) + pp);
+            let mixed = ten(self.cells_by[j], 1 + k) + ten(self.cells_by[k], 1 + j);
+            m.products[i] = product(self.cells, i) + 2 * mixed + 4 * products;
         }
         m
     }
@@ -131,10 +141,21 @@ impl Moments {
         each_brick(dag, voxel.decode(), radius, |place, mask| sums.add(place, mask));
         sums.moments()
     }
+
+    /// From the centre of the filled voxels to `voxel`, where these are the moments around it.
+    pub(super) fn out_of_center(&self, voxel: Morton, radius: u32) -> [f64; 3] {
+        let own = voxel.decode().map(|c| i64::from(c - first_corner(c, radius)));
+        core::array::from_fn(|i| (own[i] * self.count - self.first[i]) as f64 / self.count as f64)
+    }
 }
 
-/// Calls `each` with the place (in bricks from the window's first one) and the mask, clipped to the window, of every brick
-/// that holds a voxel of it.
+/// Where the first brick of a window starts, along one axis.
+fn first_corner(center: u32, radius: u32) -> u32 {
+    center.saturating_sub(radius) & !3
+}
+
+/// Calls `each` for every brick that holds a voxel of the window: with its place, in bricks from the window's first
+/// one, and its mask, clipped to the window.
 #[inline]
 fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut([u32; 3], u64)) {
     let last = (1 << dag.depth()) - 1;
@@ -145,43 +166,61 @@ fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut(
     let hi = center.map(|c| (c + radius).min(last));
 
     // Descend while one node holds the whole window.
-    let (mut top, mut root) = (dag.depth().max(BRICK_LEVEL), dag.root());
+    let (mut top, mut root) = (u32::from(dag.depth().max(BRICK_LEVEL)), dag.root());
     let spread = (lo[0] ^ hi[0]) | (lo[1] ^ hi[1]) | (lo[2] ^ hi[2]);
-    while top > BRICK_LEVEL && spread >> (top - 1) == 0 {
+    let code = Morton::encode_masked(lo).0;
+    while top > u32::from(BRICK_LEVEL) && spread >> (top - 1) == 0 {
         top -= 1;
-        let Some(child) = dag.child(root, octant(lo, top)) else { return };
-        root = child;
+        root = child_or_empty(dag, root, code >> (3 * top) & 7);
     }
 
-    // Along each axis the window meets one to three bricks.
-    let (first, end) = (lo.map(|c| c / 4), hi.map(|c| c / 4));
-    let slab = |axis: usize, brick: u32| {
-        let (from, to) = (lo[axis].saturating_sub(4 * brick), (hi[axis] - 4 * brick).min(3));
-        SLABS[axis][(from & 3) as usize][to as usize]
-    };
-    for z in first[2]..=end[2] {
-        let in_z = slab(2, z);
-        for y in first[1]..=end[1] {
-            let in_zy = in_z & slab(1, y);
-            for x in first[0]..=end[0] {
-                let corner = [4 * x, 4 * y, 4 * z];
-                let (mut level, mut word) = (top, Some(root));
-                while let (Some(node), true) = (word, level > BRICK_LEVEL) {
-                    level -= 1;
-                    word = dag.child(node, octant(corner, level));
+    // Along each axis the window meets one to three bricks: their slabs of it, and the axis's bits of their codes.
+    let bricks: [u32; 3] = core::array::from_fn(|i| hi[i] / 4 - lo[i] / 4 + 1);
+    let mut along = [[(0, 0); 3]; 3];
+    for i in 0..3 {
+        let axis = AXIS << i & !63;
+        let (mut code, mut corner) = (code & axis, first_corner(center[i], radius));
+        for entry in along[i].iter_mut().take(bricks[i] as usize) {
+            let (from, to) = (lo[i].saturating_sub(corner), (hi[i] - corner).min(3));
+            *entry = (code, SLABS[i][(from & 3) as usize][to as usize]);
+            // With all other bits set, a carry runs over them to the axis's next bit.
+            code = (code | !axis).wrapping_add(1) & axis;
+            corner += 4;
+        }
+    }
+    for (z, &(code_z, slab_z)) in (0..bricks[2]).zip(&along[2]) {
+        for (y, &(code_y, slab_y)) in (0..bricks[1]).zip(&along[1]) {
+            for (x, &(code_x, slab_x)) in (0..bricks[0]).zip(&along[0]) {
+                let code = code_x | code_y | code_z;
+                let mut word = root;
+                for level in (u32::from(BRICK_LEVEL)..top).rev() {
+                    word = child_or_empty(dag, word, code >> (3 * level) & 7);
                 }
-                let mask = word.map_or(0, |word| dag.brick_at(word)) & in_zy & slab(0, x);
+                let mask = dag.brick_at(word) & slab_x & slab_y & slab_z;
                 if mask != 0 {
-                    each([x - first[0], y - first[1], z - first[2]], mask);
+                    each([x, y, z], mask);
                 }
             }
         }
     }
 }
 
-/// The octant of the node of a level that holds the voxel, in its parent.
-fn octant([x, y, z]: [u32; 3], level: u8) -> u32 {
-    x >> level & 1 | (y >> level & 1) << 1 | (z >> level & 1) << 2
+/// The bits of a code that are x's.
+const AXIS: u64 = 0x1249_2492_4924_9249;
+
+/// Stands for an empty node and for an empty brick: the two words at the end of the header, which are 0.
+const EMPTY: usize = HEADER - 2;
+
+/// The child in `octant` of the node at `word`, or [`EMPTY`]; without a branch, as occupancy is hard to predict.
+#[inline]
+fn child_or_empty(dag: Dag<'_>, word: usize, octant: u64) -> usize {
+    let words = dag.words();
+    let mask = words[word] as usize;
+    let before = usize::from(ONES[mask << (8 - octant) & 0xff]);
+    let filled = mask >> octant & 1;
+    // Without a child this is word 0, the depth, which is below EMPTY as no child is.
+    let place = (word + 1 + before) & filled.wrapping_neg();
+    (words[place] as usize).max(EMPTY)
 }
 
 #[cfg(test)]

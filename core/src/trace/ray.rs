@@ -27,7 +27,7 @@ pub(super) struct Ray {
     /// Times below it are certainly below `t_max`.
     pub stop: f64,
     /// Times that are further apart are in the order of their f64 values.
-    pub time_slack: f64,
+    time_slack: f64,
     /// Places that are further from the middle of a cell than this half of its width are too close to a plane to tell.
     half: [f64; 3],
 }
@@ -36,7 +36,7 @@ pub(super) struct Ray {
 #[derive(Clone, Copy)]
 pub(super) struct Crossing {
     pub axis: usize,
-    pub plane: f64,
+    plane: f64,
     /// The time's f64 value.
     pub t: f64,
 }
@@ -46,22 +46,29 @@ impl Crossing {
     pub(super) fn at_time(t: f64) -> Crossing {
         Crossing { axis: TIME, plane: t, t }
     }
+
+    /// Whether it is a plane's, not a plain time.
+    pub(super) fn is_plane(&self) -> bool {
+        self.axis != TIME
+    }
 }
 
 impl Ray {
-    /// `None` for what is no ray: NaN or infinite numbers, no direction, no time between `t_min` and `t_max`, or a ray
-    /// that stands still beside the cube of `size` voxels.
+    /// Whether a query is a ray that can meet a cube of `size` voxels: finite numbers, a direction, time between `t_min`
+    /// and `t_max`, and not standing still beside the cube.
     #[inline(always)]
-    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Option<Ray> {
+    pub(super) fn exists(query: &Query, size: i32) -> bool {
+        let Query { origin: o, dir: d, t_min, t_max, .. } = query;
+        let finite = o.iter().chain(d).all(|x| x.is_finite());
+        let beside = |i: usize| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size));
+        // The comparison of times also refuses NaN.
+        finite && *d != [0.0; 3] && t_min < t_max && !(0..3).any(beside)
+    }
+
+    /// The ray of a query that [`Ray::exists`].
+    #[inline(always)]
+    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Ray {
         let Query { origin: o, dir: d, t_min, t_max, .. } = *query;
-        let finite = o.iter().chain(&d).all(|x| x.is_finite());
-        // The comparison also refuses NaN.
-        if !finite || d == [0.0; 3] || !(t_min < t_max) {
-            return None;
-        }
-        if (0..3).any(|i| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size))) {
-            return None;
-        }
         let mut ray = Ray {
             origin: [o[0], o[1], o[2], 0.0],
             dir: [d[0], d[1], d[2], 1.0],
@@ -84,7 +91,7 @@ impl Ray {
             ray.half = [1.0; 3];
         }
         ray.stop = t_max - ray.time_slack;
-        Some(ray)
+        ray
     }
 
     /// Bounds the errors of the f64 values; leaves the slacks infinite where numbers are so small or so large that
@@ -130,7 +137,7 @@ impl Ray {
 
     /// The f64 value of a crossing's time.
     #[inline(always)]
-    pub(super) fn t(&self, axis: usize, plane: i32) -> f64 {
+    fn t(&self, axis: usize, plane: i32) -> f64 {
         (f64::from(plane) - self.origin[axis]) * self.inverse[axis]
     }
 
@@ -142,7 +149,7 @@ impl Ray {
 
     /// The voxel's coordinates at time `t` by f64 alone, and a bit for each axis on which they are too close to a plane.
     #[inline(always)]
-    pub(super) fn places(&self, t: f64) -> ([i32; 3], u32) {
+    fn places(&self, t: f64) -> ([i32; 3], u32) {
         // Adding this number rounds to an integer and leaves it in the low bits.
         const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
         let (mut places, mut doubt) = ([0; 3], 0);
@@ -155,15 +162,47 @@ impl Ray {
         (places, doubt)
     }
 
-    /// First and last cell on an axis, within the cube of `side` around cell `p`, that the ray can still reach.
+    /// The planes through which the ray leaves the cube of `side` (a power of two) around voxel `p`.
     #[inline(always)]
-    pub(super) fn ahead(&self, axis: usize, p: i32, side: i32) -> (i32, i32) {
-        (p & (-side | self.up[axis]), p | ((side - 1) & self.up[axis]))
+    pub(super) fn planes(&self, p: [i32; 3], side: i32) -> [i32; 3] {
+        core::array::from_fn(|i| (p[i] & -side) + (side & self.up[i]))
+    }
+
+    /// First and last cell on an axis that the ray can reach from cell `p` before it crosses `plane`.
+    #[inline(always)]
+    fn ahead(&self, axis: usize, p: i32, plane: i32) -> (i32, i32) {
+        let up = self.up[axis];
+        ((p & up) | (plane & !up), ((plane - 1) & up) | (p & !up))
+    }
+
+    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `None` if f64 values
+    /// are too close to tell, or if that may be at `t_max` or later. `side` is the box's smallest extent.
+    #[inline(always)]
+    pub(super) fn step(&self, p: [i32; 3], side: i32, planes: [i32; 3]) -> Option<[i32; 3]> {
+        let t: [f64; 3] = core::array::from_fn(|i| self.t(i, planes[i]));
+        let first = if t[1] < t[0] { t[1] } else { t[0] };
+        let now = if t[2] < first { t[2] } else { first };
+        let limit = now + self.time_slack;
+        // A NaN is neither above nor below, and so counts as close.
+        let close = t.map(|t| !(t > limit));
+        let (places, doubt) = self.places(now);
+        let alone = u8::from(close[0]) + u8::from(close[1]) + u8::from(close[2]) == 1;
+        let clear = (0..3).all(|i| close[i] | (doubt >> i & 1 == 0)) | (side == 1);
+        if !(alone & clear & (now < self.stop)) {
+            return None;
+        }
+        Some(core::array::from_fn(|i| {
+            let (low, high) = self.ahead(i, p[i], planes[i]);
+            if close[i] { planes[i] + !self.up[i] } else { places[i].max(low).min(high) }
+        }))
     }
 
     /// The order in which two crossings enter their voxels; equal ones enter together.
     #[inline]
     pub(super) fn order<const EXACT: bool>(&self, a: &Crossing, b: &Crossing) -> Ordering {
+        if a.axis == b.axis && a.plane == b.plane {
+            return Ordering::Equal;
+        }
         let apart = a.t - b.t;
         if apart.abs() > self.time_slack {
             return if apart < 0.0 { Ordering::Less } else { Ordering::Greater };
@@ -190,11 +229,15 @@ impl Ray {
     /// The cell on an axis within `low..=high` that the ray is in once `now` has been crossed.
     pub(super) fn cell<const EXACT: bool>(&self, axis: usize, now: &Crossing, low: i32, high: i32) -> i32 {
         let (places, doubt) = self.places(now.t);
+        let (mut low, mut high) = (low, high);
         if doubt >> axis & 1 == 0 {
             return places[axis].max(low).min(high);
         }
+        // The place is near a plane: only the cells beside it are left, unless f64 cannot tell at all.
+        if self.half[axis] > 0.25 {
+            (low, high) = ((places[axis] - 1).max(low).min(high), (places[axis] + 1).max(low).min(high));
+        }
         // Bisect: ask of planes whether they have been crossed.
-        let (mut low, mut high) = (low, high);
         while low < high {
             let plane = low + (high - low + 1) / 2;
             let crossed = self.order::<EXACT>(&self.crossing(axis, plane), now).is_le();
@@ -207,16 +250,10 @@ impl Ray {
         low
     }
 
-    /// Leaves the cube of `side` around `p` where f64 values are too close to tell which of its `planes` comes first, or
-    /// where the ray is by then. `None` if that is at `t_max` or later.
+    /// [`Ray::step`] where f64 values are too close to tell. `None` if the ray leaves the box at `t_max` or later.
     #[cold]
     #[inline(never)]
-    pub(super) fn step_close<const EXACT: bool>(
-        &self,
-        mut p: [i32; 3],
-        side: i32,
-        planes: &[i32; 3],
-    ) -> Option<([i32; 3], Crossing)> {
+    pub(super) fn step_close<const EXACT: bool>(&self, mut p: [i32; 3], planes: [i32; 3]) -> Option<[i32; 3]> {
         let mut first: Option<Crossing> = None;
         let mut together = [false; 3];
         for i in (0..3).filter(|i| self.moving(*i)) {
@@ -239,11 +276,11 @@ impl Ray {
             if together[i] {
                 p[i] = planes[i] + !self.up[i];
             } else if self.moving(i) {
-                let (low, high) = self.ahead(i, p[i], side);
+                let (low, high) = self.ahead(i, p[i], planes[i]);
                 p[i] = self.cell::<EXACT>(i, &now, low, high);
             }
         }
-        Some((p, now))
+        Some(p)
     }
 
     /// Whether a crossing comes at or after `t_max`.

@@ -95,9 +95,10 @@ impl<'m> Voxelizer<'m> {
         for &vertex in mesh.triangles.iter().flatten() {
             let slot = &mut snapped[vertex as usize];
             if *slot == UNUSED {
-                *slot = grid
-                    .snap(mesh.positions[vertex as usize])
-                    .ok_or(VoxelizeError::Grid(GridError::Outside { vertex }))?;
+                let position = mesh.positions[vertex as usize];
+                // Inflation makes up for half a unit; the far border must not be pulled in by a whole one.
+                let nearest = if cover == Cover::Inflated { grid.snap_nearest(position) } else { grid.snap(position) };
+                *slot = nearest.ok_or(VoxelizeError::Grid(GridError::Outside { vertex }))?;
             }
         }
 
