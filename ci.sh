@@ -31,6 +31,7 @@ check_doc() {
 # The core as a library alone, on targets without std: without a heap and with one.
 check_no_std() {
     local target
+    export RUSTFLAGS=-Dwarnings
     for target in thumbv7em-none-eabihf x86_64-unknown-none wasm32-unknown-unknown; do
         cargo build --locked -p voxdag --lib --no-default-features --target "$target"
         cargo build --locked -p voxdag --lib --no-default-features --features alloc --target "$target"

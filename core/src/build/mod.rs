@@ -3,7 +3,7 @@
 //! One open node per level; a node is closed when the Morton curve leaves it, looked up among the nodes of its level and
 //! stored if it is new (hash-consing; Kaempe et al. 2013, section 4, who reduces a finished octree instead). So memory is
 //! bound by the DAG, not by the voxels, and the order of nodes is that of their first visit: equal voxels give equal words,
-//! however they were cut into subtrees ([`Reducer::append`]). Two places to keep nodes in: memory that grows
+//! however they were cut into subtrees (`Reducer::append`). Two places to keep nodes in: memory that grows
 //! ([`DagBuilder`], feature `alloc`) and memory that the caller lends ([`build_into`]); both give the same words.
 
 #[cfg(feature = "alloc")]
@@ -14,7 +14,9 @@ mod lent;
 pub use grow::{DagBuf, DagBuilder, Mix};
 pub use lent::{build_into, scratch_words, words_bound};
 
-use crate::dag::{BRICK_LEVEL, Dag, NODE, ONES};
+use crate::dag::{BRICK_LEVEL, NODE};
+#[cfg(feature = "alloc")]
+use crate::dag::{Dag, ONES};
 use crate::morton::{BITS, Morton};
 
 /// Why a DAG cannot be built.
@@ -133,6 +135,7 @@ impl Reducer {
     /// Takes a whole subtree: the voxels of `dag`, moved so that its first corner is the voxel at `code`.
     ///
     /// `forward` lends one word per word of `dag`.
+    #[cfg(feature = "alloc")]
     pub(crate) fn append(
         &mut self,
         store: &mut impl Store,

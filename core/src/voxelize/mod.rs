@@ -2,7 +2,7 @@
 //!
 //! In: a mesh and a grid. Out: per subtree the bricks that hold marked voxels, with the triangles that marked them. The
 //! vertices are snapped once ([`Grid::snap`]); all that follows is integer. A triangle descends only into the cubes that
-//! it can mark ([`prism`]), so the work is in proportion to its area, never to its box, and no list of voxels is kept.
+//! it can mark (`prism`), so the work is in proportion to its area, never to its box, and no list of voxels is kept.
 //! Source: the 13-axis test of Akenine-Moeller (2001) on half-open voxels `[k, k+1)`; differs from the thesis (section
 //! 2.2) in being exact, hierarchical and independent of the order of triangles and of their vertices.
 
