@@ -49,15 +49,10 @@ impl Shape {
             core::array::from_fn(|i| {
                 let x = (p[i] - origin[i]) * (SUB as f64 / voxel_size);
                 let floor = x.floor();
-<<<<<<< HEAD
-                let rest = x - floor;
-                let up = rest > 0.5 || rest == 0.5 && floor % 2.0 != 0.0;
-=======
                 let up = match x - floor {
                     0.5 => floor % 2.0 != 0.0,
                     r => r > 0.5,
                 };
->>>>>>> demo
                 floor as i64 + i64::from(up)
             })
         };
