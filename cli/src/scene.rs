@@ -4,16 +4,16 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::build::{BuildError, DagBuf};
 use voxdag::dag::Stats;
 use voxdag::file::{self, LoadError, Parts, Scene};
-use voxdag::grid::UpAxis;
-use voxdag::grid::{Bounds, Grid, GridError};
+use voxdag::grid::{Bounds, Grid, GridError, UpAxis};
 use voxdag::materials::{AnyMaterials, Single};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
-use voxdag::scene::{Build, MaterialMode, Options, SceneError};
+use voxdag::scene::{Build, MaterialMode, Options, PendingTable, SceneError};
 use voxdag::table::TableBuf;
 use voxdag::voxelize::{Cover, VoxelizeError};
 use voxdag::{Dag, Material, Mesh};
@@ -198,7 +198,7 @@ pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result
 
     // Look up who owns each voxel.
     let progress = Progress::stage("materials", 0);
-    let (table, materials_time) = stats::timed(|| pending.into_table(&dag.dag()));
+    let (table, materials_time) = stats::timed(|| fill_table(&pending, dag.dag()));
     drop(progress);
     let table = table.map_err(refused)?;
     let (materials, names) = match table {
@@ -221,6 +221,20 @@ pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result
         triangles: mesh.triangles.len(),
         cost: Cost { parse: source.parse_time, voxelize, reduce, materials: materials_time },
     })
+}
+
+/// The material map, filled by all threads: each takes the entries of its part.
+fn fill_table(pending: &PendingTable<'_, '_>, dag: Dag<'_>) -> std::result::Result<Option<TableBuf>, SceneError> {
+    let Some(mut table) = pending.empty_table(&dag)? else { return Ok(None) };
+    table.fill(|table| {
+        let parts: Vec<_> = table.split(rayon::current_num_threads() as u32).collect();
+        let filled: std::result::Result<Vec<_>, _> = parts
+            .into_par_iter()
+            .map(|mut part| part.insert_all(pending.entries(&dag)).map(|()| part.finish()))
+            .collect();
+        table.join(filled?)
+    })?;
+    Ok(Some(table))
 }
 
 impl Built {

@@ -227,8 +227,11 @@ pub struct PendingTable<'b, 'm> {
 }
 
 impl PendingTable<'_, '_> {
-    /// Fills the material map of the voxels of `dag`; `None` if the scene has one material only.
-    pub fn into_table(self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
+    /// An empty material map with room for the voxels of `dag`; `None` if the scene has one material only.
+    ///
+    /// Threads fill it together: each takes a part of [`TableMut::split`](crate::table::TableMut::split) and all
+    /// [`PendingTable::entries`].
+    pub fn empty_table(&self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
         let normals = match self.build.options.materials {
             MaterialMode::None => return Ok(None),
             MaterialMode::Table => false,
@@ -236,9 +239,21 @@ impl PendingTable<'_, '_> {
         };
         let voxels = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
         within(self.build.options.memory_limit, self.build.table_bytes(voxels) + 4 * dag.words().len() as u64)?;
-        let mut table = TableBuf::new(voxels, normals)?;
-        table.insert_all(self.owners.entries(dag))?;
-        Ok(Some(table))
+        Ok(Some(TableBuf::new(voxels, normals)?))
+    }
+
+    /// Every voxel of `dag`, the DAG that these owners came with, in Morton order with its entry.
+    pub fn entries(&self, dag: &Dag<'_>) -> impl Iterator<Item = (Morton, Entry)> {
+        self.owners.entries(dag)
+    }
+
+    /// The material map, filled on this thread.
+    pub fn into_table(self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
+        let mut table = self.empty_table(dag)?;
+        if let Some(table) = &mut table {
+            table.insert_all(self.entries(dag))?;
+        }
+        Ok(table)
     }
 }
 
