@@ -64,3 +64,8 @@ pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
 pub use table::{Table, TableMut};
+
+/// The README's examples are tests.
+#[cfg(all(doctest, feature = "alloc"))]
+#[doc = include_str!("../../README.md")]
+struct ReadmeDoctests;
