@@ -1,10 +1,12 @@
 //! Rays through a DAG: the first filled voxel along the real line that six f64 describe.
 
+mod along;
 mod exact;
 mod ray;
 mod top;
 mod walk;
 
+pub use along::{Hits, Voxels};
 pub use top::Top;
 #[cfg(feature = "alloc")]
 pub use top::TopBuf;

@@ -45,7 +45,7 @@ pub(super) fn occluded<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, 
 /// From voxel `p` to the first filled one, and the level of what was hit. With `TOP` the tracer has a top grid, and its
 /// cells are no smaller than `min_level`.
 #[inline(always)]
-fn walk<const EXACT: bool, const TOP: bool>(
+pub(super) fn walk<const EXACT: bool, const TOP: bool>(
     tracer: &Tracer<'_>,
     ray: &Ray,
     mut p: [i32; 3],
@@ -129,7 +129,7 @@ fn walk<const EXACT: bool, const TOP: bool>(
 
 /// The first voxel in the cube; `None` for a miss.
 #[inline(always)]
-fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<[i32; 3]> {
+pub(super) fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<[i32; 3]> {
     if let Some(voxel) = query.start {
         let p = voxel.decode().map(|x| x as i32);
         return (p.iter().all(|x| *x < size) && query.t_min.is_finite()).then_some(p);
@@ -166,7 +166,7 @@ fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<[i32;
 const FACES: [[Face; 2]; 3] = [[Face::PosX, Face::NegX], [Face::PosY, Face::NegY], [Face::PosZ, Face::NegZ]];
 
 /// The hit at voxel `p`: entry face, time and the voxel before.
-fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size: i32, query: &Query) -> Hit {
+pub(super) fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size: i32, query: &Query) -> Hit {
     let side = 1i32 << level;
     let low = p.map(|x| x & -side);
     let code = |p: [i32; 3]| Morton::encode_masked(p.map(|x| x as u32));
