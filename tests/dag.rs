@@ -477,3 +477,24 @@ fn h01_coordinates_of_two_to_the_21_are_refused() {
         }
     }
 }
+
+#[test]
+fn d09_a_builder_that_failed_says_so_to_the_end() {
+    for more in [Morton(512), Morton(1024)] {
+        let mut builder = DagBuilder::new(6).unwrap();
+        builder.push(Morton(0), 1).unwrap();
+        builder.limit(builder.words() as u32);
+        let error = builder.push(more, 1).unwrap_err();
+        assert!(matches!(error, BuildError::Words { .. }), "{error:?}");
+        builder.limit(1 << 20);
+        assert_eq!(builder.push(Morton(2048), 1), Err(error));
+        assert_eq!(builder.finish().err(), Some(error));
+    }
+    // What is refused for its place changes nothing.
+    let mut builder = DagBuilder::new(6).unwrap();
+    builder.push(Morton(64), 1).unwrap();
+    assert_eq!(builder.push(Morton(0), 1), Err(BuildError::Order { code: 0 }));
+    assert!(matches!(builder.push(Morton(1 << 18), 1), Err(BuildError::Outside { .. })));
+    builder.push(Morton(128), 1).unwrap();
+    assert!(builder.finish().unwrap().dag().voxels().eq([Morton(64), Morton(128)]));
+}

@@ -394,7 +394,9 @@ fn every_answer_is_a_unit_vector() {
         for kind in [NormalKind::Face, NormalKind::Stored, NormalKind::Gradient, NormalKind::Plane2] {
             for voxel in [[16; 3], [0, 31, 7], [18, 15, 16], [40, 3, 3], [(1 << 21) - 1; 3]] {
                 // `at` asserts it.
-                at(set.dag(), voxel, kind, unit(&mut random));
+                for length in [1.0, 1e-200, 1e200] {
+                    at(set.dag(), voxel, kind, unit(&mut random).map(|x| x * length));
+                }
             }
         }
     }
@@ -565,5 +567,18 @@ fn accuracy_on_tilted_planes() {
         let means = sums.map(|s| s / f64::from(ROUNDS));
         println!("tilted planes, {name}: means {means:.2?} degrees");
         assert!(means[0] <= 7.5 && means[1] <= 2.4 && means[2] <= 1.3, "seed {SEED}, {name}: {means:?}");
+    }
+}
+
+/// The answer depends on where the ray heads to, not on how long its direction is.
+#[test]
+fn the_length_of_the_direction_does_not_matter() {
+    let line = Set::new((-3..=3).map(|x| [x, 0, 0]));
+    let [short, usual, long] = [1e-200, 1.0, 1e200]
+        .map(|length| at(line.dag(), [16; 3], NormalKind::Plane2, [0.3 * length, 0.2 * length, -length]));
+    assert_eq!(usual.confidence, Confidence::Line);
+    for other in [short, long] {
+        assert_eq!(other.confidence, usual.confidence);
+        assert!((0..3).all(|i| (other.direction[i] - usual.direction[i]).abs() < 1e-6), "{other:?} {usual:?}");
     }
 }

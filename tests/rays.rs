@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-use voxdag::trace::{Arithmetic, Face, Hit, Query};
+use voxdag::trace::{Arithmetic, Face, Hit, Query, TopBuf, Tracer};
 use voxdag::voxelize::Cover;
 use voxdag::{Dag, Morton};
 use voxdag_oracle::octree::VoxelSet;
@@ -23,6 +23,8 @@ struct Scene {
     shape: Filled,
     /// Filled voxels to aim at.
     targets: Vec<[u32; 3]>,
+    /// Top grids of the DAG, from one cell to as many as are reasonable.
+    tops: Vec<TopBuf>,
 }
 
 enum Filled {
@@ -33,13 +35,9 @@ enum Filled {
 impl Scene {
     fn of_set(name: &str, depth: u8, set: VoxelSet) -> Scene {
         let targets = set.codes().iter().map(|&c| Morton(c).decode()).collect();
-        Scene {
-            name: format!("{name} at depth {depth}"),
-            depth,
-            words: set.words(depth),
-            shape: Filled::Set(set),
-            targets,
-        }
+        let words = set.words(depth);
+        let tops = tops(&words);
+        Scene { name: format!("{name} at depth {depth}"), depth, words, shape: Filled::Set(set), targets, tops }
     }
 
     fn of_implicit(name: &str, depth: u8, shape: Implicit, seed: u64) -> Scene {
@@ -51,17 +49,17 @@ impl Scene {
             let ray = Ray::new([(); 3].map(|()| rng.uniform(0.0, n)), rng.direction());
             targets.extend(ray::first(&ray, depth, 0, &|h, c| shape.any(h, c)).map(|t| t.voxel));
         }
-        Scene {
-            name: format!("{name} at depth {depth}"),
-            depth,
-            words: shape.words(depth),
-            shape: Filled::Implicit(shape),
-            targets,
-        }
+        let words = shape.words(depth);
+        let tops = tops(&words);
+        Scene { name: format!("{name} at depth {depth}"), depth, words, shape: Filled::Implicit(shape), targets, tops }
     }
 
     fn dag(&self) -> Dag<'_> {
         Dag::new(&self.words).expect("the twin's words are good")
+    }
+
+    fn tracers(&self) -> impl Iterator<Item = Tracer<'_>> {
+        self.tops.iter().map(|top| Tracer::with_top(self.dag(), top.as_top()).expect("the grid is this DAG's"))
     }
 
     fn any(&self, level: u8, corner: [u32; 3]) -> bool {
@@ -74,6 +72,11 @@ impl Scene {
     fn truth(&self, ray: &Ray, level: u8) -> Option<Truth> {
         ray::first(ray, self.depth, level, &|h, c| self.any(h, c))
     }
+}
+
+fn tops(words: &[u32]) -> Vec<TopBuf> {
+    let dag = Dag::new(words).expect("the twin's words are good");
+    [0, 1, 3, 4].map(|bits| TopBuf::new(&dag, bits).unwrap()).into()
 }
 
 /// Walls, diagonal walls, dust, a piece of a shell, and a cloud of single voxels.
@@ -138,6 +141,11 @@ fn check(scene: &Scene, ray: &Ray) -> Option<Truth> {
     let what = || format!("{}, {ray:?}", scene.name);
     same(scene.dag().trace(&query(ray)), truth.clone(), &what);
     assert_eq!(scene.dag().occluded(&query(ray)), truth.is_some(), "occluded: {}", what());
+    // A top grid changes no answer.
+    for tracer in scene.tracers() {
+        same(tracer.trace(Arithmetic::Exact, &query(ray)), truth.clone(), &what);
+        assert_eq!(tracer.occluded(Arithmetic::Exact, &query(ray)), truth.is_some(), "occluded: {}", what());
+    }
     truth
 }
 
@@ -762,4 +770,140 @@ fn r20_f64_arithmetic_keeps_the_three_inequalities() {
             }
         }
     }
+}
+
+#[test]
+fn r21_all_voxels_along_a_ray_are_those_of_the_oracle() {
+    for depth in [3, 10, 21] {
+        for scene in all_scenes(depth) {
+            for seed in 0..CLASSES * 12 {
+                let mut rng = Rng::new(u64::from(seed));
+                let ray = draw(seed % CLASSES, &scene, &mut rng);
+                let truth = ray::walk(&ray, depth, 700);
+                let query = query(&ray);
+                let what = format!("{}, {ray:?}", scene.name);
+                let passed: Vec<_> = query.voxels(depth).take(700).map(Morton::decode).collect();
+                assert_eq!(passed, truth, "{what}");
+                // Of them, those that are filled.
+                let filled: Vec<_> = truth.into_iter().filter(|v| scene.any(0, *v)).collect();
+                for tracer in scene.tracers().chain([Tracer::new(scene.dag())]) {
+                    let hits: Vec<_> = tracer.hits(&query).take(filled.len()).collect();
+                    assert!(hits.iter().map(|h| h.voxel.decode()).eq(filled.iter().copied()), "{what}");
+                    assert!(hits.is_sorted_by(|a, b| a.t <= b.t), "{what}");
+                    assert_eq!(hits.first().copied(), scene.dag().trace(&query).filter(|_| !hits.is_empty()), "{what}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn r22_a_top_grid_serves_coarser_levels_and_refuses_other_dags() {
+    let scenes = all_scenes(6);
+    for scene in &scenes {
+        for seed in 0..CLASSES * 20 {
+            let mut rng = Rng::new(u64::from(seed));
+            let mut query = query(&draw(seed % CLASSES, scene, &mut rng));
+            query.min_level = rng.below(8) as u8;
+            query.start = query.voxels(6).nth(rng.below(40) as usize).filter(|_| seed % 3 == 0);
+            for arithmetic in [Arithmetic::Exact, Arithmetic::F64] {
+                let plain = scene.dag().trace_with(arithmetic, &query);
+                for tracer in scene.tracers() {
+                    let topped = tracer.trace(arithmetic, &query);
+                    assert_eq!(topped.is_some(), tracer.occluded(arithmetic, &query), "{} {query:?}", scene.name);
+                    if arithmetic == Arithmetic::Exact {
+                        assert_eq!(topped, plain, "{} {query:?}", scene.name);
+                    }
+                }
+            }
+        }
+    }
+    let other = VoxelSet::new([[1, 2, 3]]).words(7);
+    assert!(Tracer::with_top(Dag::new(&other).unwrap(), scenes[0].tops[2].as_top()).is_none());
+}
+
+#[test]
+fn r11_rays_along_a_wall_do_not_hit_it() {
+    // Rays that do not move across the wall that they leave, from points that rounding has put on its far side.
+    let wall = VoxelSet::new((0..64).map(|i| [5, i % 8, i / 8])).words(3);
+    let dag = Dag::new(&wall).unwrap();
+    for off in -2..=2 {
+        let x = 5.0 + f64::from(off) * 1e-15;
+        for dir in [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.3, 0.7], [-0.0, 0.3, 0.7], [-1e-9, 0.3, 0.7]] {
+            for (y, z) in [(4u32, 4u32), (3, 3), (0, 7)] {
+                let origin = [x, f64::from(y) + 0.5, f64::from(z) + 0.5];
+                let query = Query { start: Morton::encode([4, y, z]), ..Query::new(origin, dir) };
+                assert_eq!(dag.trace(&query), None, "{query:?}");
+                assert!(!dag.occluded(&query), "{query:?}");
+            }
+        }
+    }
+    // As a renderer meets them: the light stands right above the point that was hit.
+    let mut rng = Rng::new(1);
+    let mut lit = 0;
+    while lit < 3000 {
+        let origin = [rng.uniform(0.0, 4.9), rng.uniform(0.0, 8.0), rng.uniform(0.0, 8.0)];
+        let query = Query::new(origin, rng.direction());
+        let Some(hit) = dag.trace(&query).filter(|hit| hit.voxel.decode()[0] == 5 && hit.from.is_some()) else {
+            continue;
+        };
+        let point = core::array::from_fn(|i| query.origin[i] + query.dir[i] * hit.t);
+        assert!(!dag.occluded(&Query { start: hit.from, ..Query::new(point, [0.0, 0.0, 1.0]) }), "{query:?} {hit:?}");
+        lit += 1;
+    }
+}
+
+/// Numbers of every size in every place, limits at and beside the crossings: equality all the same.
+#[test]
+fn r23_any_numbers_in_small_cubes() {
+    let mut hits = 0;
+    for seed in 0..400 {
+        let mut rng = Rng::new(seed * 7919);
+        let depth = rng.below(6) as u8;
+        let n = 1u64 << depth;
+        let set = VoxelSet::new((0..1 + rng.below(n * n)).map(|_| [(); 3].map(|()| rng.below(n) as u32)));
+        let scene = Scene::of_set("any numbers", depth, set);
+        for _ in 0..25 {
+            let scale = match rng.below(6) {
+                0 => rng.spread(-1073, 900).abs(),
+                _ => 1.0,
+            };
+            let dir = [(); 3].map(|()| {
+                let component = match rng.below(7) {
+                    0 => 0.0,
+                    1 => -0.0,
+                    2 => rng.between(-3, 3) as f64,
+                    3 => rng.spread(-1074, 0),
+                    4 => rng.spread(-60, 0),
+                    _ => rng.uniform(-1.0, 1.0),
+                };
+                component * scale
+            });
+            // Through a lattice point, beside one, or anywhere; from near or far.
+            let through = [(); 3].map(|()| match rng.below(3) {
+                0 => rng.between(0, n as i64) as f64,
+                1 => rng.between(0, n as i64) as f64 + rng.spread(-60, -40),
+                _ => rng.uniform(0.0, n as f64),
+            });
+            let back = match rng.below(5) {
+                0 => 0.0,
+                1 => rng.between(-9, 9) as f64,
+                2 => rng.spread(-10, 60),
+                3 => rng.spread(-10, 900),
+                _ => rng.uniform(-9.0, 9.0),
+            } / scale;
+            let origin = core::array::from_fn(|i| through[i] - dir[i] * back);
+            let mut limit = || match rng.below(4) {
+                0 => back,
+                1 => back + rng.between(-3, 3) as f64 / scale,
+                2 => rng.spread(-1000, 1000),
+                _ => back * (1.0 + rng.between(-3, 3) as f64 * f64::EPSILON),
+            };
+            let limits = [limit(), limit()];
+            let t_min = [0.0, f64::NEG_INFINITY, limits[0], limits[0]][rng.below(4) as usize];
+            let t_max = [limits[1], f64::INFINITY, f64::INFINITY][rng.below(3) as usize];
+            hits += u32::from(check(&scene, &Ray { origin, dir, t_min, t_max }).is_some());
+        }
+    }
+    assert!(hits > 1000, "{hits} hits are too few to say anything");
 }

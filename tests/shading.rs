@@ -437,3 +437,15 @@ fn the_default_view_frames_the_box_either_way_up() {
     // A single point can be looked at.
     assert!(Camera::framing(&Bounds { min: [1.0; 3], max: [1.0; 3] }, UpAxis::Y).checked().is_ok());
 }
+
+#[test]
+fn s07_the_strongest_lights_are_white_not_black() {
+    let lights = [Light { kind: LightKind::Point([3.0, 9.0, 9.0]), color: [3e38; 3] }];
+    let material = Material { diffuse: [1.0; 3], specular: [2.0; 3], shininess: 1_000_000, illum: 2, ..Material::GREY };
+    for angle in [0.1, 0.5, 0.9] {
+        let surface =
+            Surface { point: [0.0; 3], normal: [0.0, 0.0, 1.0], view: [angle, 0.0, (1.0 - angle * angle).sqrt()] };
+        let color = shade(&material, &surface, [0.2; 3], &lights);
+        assert!(color.iter().all(|c| *c > 1.0), "{color:?}");
+    }
+}

@@ -6,7 +6,7 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-use voxdag::grid::GridError;
+use voxdag::grid::{Bounds, GridError};
 use voxdag::mesh::MeshError;
 use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
 use voxdag::{Grid, Mesh, Morton};
@@ -604,4 +604,88 @@ fn v18_the_inflated_cover_at_the_far_border() {
     let end = [64.0, 49.328125, 0.5];
     let segment = of(&[[[60.0, 0.0, 0.5], end, end]]);
     assert!(subject::cover(&segment, &unit_grid(64), Cover::Inflated).contains(&[63, 36, 0]));
+}
+
+#[test]
+fn v16_the_sign_of_a_zero_leaves_no_trace() {
+    let corners = [[-0.0, 0.0, 0.0], [0.0, -0.0, -0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let orders: [&[[u32; 3]]; 3] = [&[[0, 2, 3], [1, 4, 3]], &[[1, 4, 3], [0, 2, 3]], &[[2, 3, 1], [4, 3, 0]]];
+    for triangles in orders {
+        let bounds = Mesh { positions: &corners, triangles, ..Mesh::default() }.validate().unwrap();
+        assert!(bounds.min.iter().all(|x| x.to_bits() == 0), "{bounds:?}");
+    }
+    let grid = Grid { origin: [-0.0; 3], voxel_size: 1.0, resolution: 4 }.checked().unwrap();
+    assert!(grid.origin.iter().all(|x| x.to_bits() == 0));
+}
+
+#[test]
+fn boxes_of_any_size_have_a_radius() {
+    for scale in [1e-300, 1e-160, 1.0, 1e160, 1e300] {
+        let bounds = Bounds { min: [0.0; 3], max: [3.0 * scale, 4.0 * scale, 0.0] };
+        assert!((bounds.radius() / scale - 2.5).abs() < 1e-12, "{scale}: {}", bounds.radius());
+    }
+}
+
+/// The bricks that one triangle marks, by the code of their place less `offset` voxels on every axis.
+fn bricks_of(triangle: [[f64; 3]; 3], resolution: u32, offset: u32, cover: Cover) -> Vec<([u32; 3], u64)> {
+    let positions = triangle.map(|p| p.map(|x| x + f64::from(offset)));
+    let mesh = Mesh { positions: &positions, triangles: &[[0, 1, 2]], ..Mesh::default() };
+    let voxelizer = Voxelizer::new(&mesh, &unit_grid(resolution), cover).unwrap();
+    let mut bricks = Vec::new();
+    for subtree in 0..voxelizer.subtrees() {
+        let first = voxelizer.subtree_code(subtree).0;
+        let marks = voxelizer.voxelize::<VoxelizeError>(subtree, |brick| {
+            bricks.push((Morton(first | brick.code.0).decode().map(|x| x - offset), brick.mask));
+            Ok(())
+        });
+        marks.unwrap();
+    }
+    bricks.sort_unstable();
+    bricks
+}
+
+/// A plane that needs i128 in the middle of the largest grid marks what it marks in a small one.
+#[test]
+fn v17_wide_planes_are_translated_too() {
+    let offset = (1 << 20) - 2000;
+    for [a, b, c] in [[30.125, 2000.5, 1500.25], [3830.125, 2.5, 1500.25]] {
+        let triangle = [[10.25, 20.5, a], [3900.0, 1000.0, b], [300.75, 3800.0, c]];
+        for cover in [Cover::Exact, Cover::Inflated, Cover::Thin] {
+            let near = bricks_of(triangle, 1 << 12, 0, cover);
+            assert!(near.len() > 100_000);
+            assert!(near == bricks_of(triangle, 1 << 21, offset, cover), "{cover:?}");
+        }
+    }
+}
+
+/// Two triangles of one plane are equally far from every voxel: the name decides, whatever their size.
+#[test]
+fn v12_owners_of_coplanar_triangles_go_by_name() {
+    let mut rng = Rng::new(5);
+    let mut both = 0;
+    for _ in 0..40 {
+        let u = [(); 3].map(|()| rng.between(1, 9));
+        let v = [rng.between(1, 9), -rng.between(1, 9), rng.between(1, 9)];
+        let at = |a: i64, b: i64| -> [f64; 3] { core::array::from_fn(|i| (30 + a * u[i] + b * v[i]) as f64) };
+        let positions = [at(-1, -1), at(2, 0), at(0, 2), at(-1, 0), at(2, -1), at(1, 1)];
+        if positions.iter().flatten().any(|x| !(0.0..=64.0).contains(x)) {
+            continue;
+        }
+        let mesh =
+            Mesh { positions: &positions, triangles: &[[0, 1, 2], [3, 4, 5]], materials: &[1, 0], ..Mesh::default() };
+        let voxelizer = Voxelizer::new(&mesh, &unit_grid(64), Cover::Exact).unwrap();
+        for subtree in 0..voxelizer.subtrees() {
+            let marks = voxelizer.voxelize::<VoxelizeError>(subtree, |brick| {
+                voxelizer.owners(subtree, brick, |bit, material, _| {
+                    if brick.triangles.iter().filter(|t| t.1 >> bit & 1 == 1).count() == 2 {
+                        both += 1;
+                        assert_eq!(material, 0, "{positions:?}");
+                    }
+                });
+                Ok(())
+            });
+            marks.unwrap();
+        }
+    }
+    assert!(both > 1000, "{both} shared voxels are too few to say anything");
 }

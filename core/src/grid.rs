@@ -104,8 +104,13 @@ impl Bounds {
 
     /// Half the diagonal, in world units.
     pub fn radius(&self) -> f64 {
-        let e = crate::math::sub(self.max, self.min);
-        0.5 * crate::math::sqrt(crate::math::dot(e, e))
+        // Relative to the largest extent, so that no square over- or underflows.
+        let largest = self.extent();
+        if largest == 0.0 || !largest.is_finite() {
+            return largest;
+        }
+        let e = crate::math::sub(self.max, self.min).map(|x| x / largest);
+        0.5 * largest * crate::math::sqrt(crate::math::dot(e, e))
     }
 
     /// The largest of the three extents.
@@ -147,7 +152,8 @@ impl Grid {
         if !self.origin.iter().all(|x| x.is_finite()) {
             return Err(GridError::NotFinite);
         }
-        Ok(self)
+        // Both zeros are the same place, and are to be the same bytes.
+        Ok(Grid { origin: self.origin.map(|x| x + 0.0), ..self })
     }
 
     /// Octree levels: the smallest L with `2^L >= resolution`, 0 to 21.

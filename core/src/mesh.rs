@@ -102,8 +102,10 @@ impl Mesh<'_> {
                     if !p[i].is_finite() {
                         return Err(MeshError::NonFinite { vertex });
                     }
-                    bounds.min[i] = bounds.min[i].min(p[i]);
-                    bounds.max[i] = bounds.max[i].max(p[i]);
+                    // Of the two zeros always the positive one: which of them `min` gives is up to the target.
+                    let x = p[i] + 0.0;
+                    bounds.min[i] = bounds.min[i].min(x);
+                    bounds.max[i] = bounds.max[i].max(x);
                 }
             }
             if !self.name_order.is_empty() && usize::from(self.material(triangle)) >= self.name_order.len() {

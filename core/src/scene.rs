@@ -132,9 +132,12 @@ fn within(limit: Option<u64>, needed: u64) -> Result<(), SceneError> {
 impl<'m> Build<'m> {
     /// Checks mesh, grid and limit, snaps the vertices and sorts the triangles into parts. O(triangles).
     pub fn new(mesh: &Mesh<'m>, grid: &Grid, options: &Options) -> Result<Build<'m>, SceneError> {
-        // Snapped vertices, and triangles in one or two parts each.
-        within(options.memory_limit, 12 * mesh.positions.len() as u64 + 24 * mesh.triangles.len() as u64)?;
-        let build = Build { voxelizer: Voxelizer::new(mesh, grid, options.cover)?, options: *options };
+        let limit = options.memory_limit.unwrap_or(u64::MAX);
+        let voxelizer = Voxelizer::within(mesh, grid, options.cover, limit).map_err(|error| match error {
+            VoxelizeError::Memory { bytes } if bytes > limit => SceneError::Limit { needed: bytes, limit },
+            error => error.into(),
+        })?;
+        let build = Build { voxelizer, options: *options };
         // The estimate of voxels can be too high by as much as triangles share voxels; half of it is safe to refuse by.
         within(options.memory_limit, build.table_bytes(build.voxelizer.estimate() / 2))?;
         Ok(build)

@@ -7,6 +7,8 @@
 //!
 //! Every term is skipped, not multiplied by 0, where it does not apply: a material without a highlight raises no power.
 
+use glam::Vec3;
+
 use crate::material::Material;
 use crate::math;
 
@@ -51,24 +53,27 @@ pub struct Surface {
 
 /// The light that `surface` sends to the viewer: linear red, green, blue, 0 or more.
 pub fn shade(material: &Material, surface: &Surface, ambient: [f32; 3], lights: &[Light]) -> [f32; 3] {
-    let mut color = product(ambient, material.ambient);
+    let (normal, view) = (Vec3::from(surface.normal), Vec3::from(surface.view));
+    let mut color = Vec3::from(ambient) * Vec3::from(material.ambient);
     for light in lights {
         let Some(l) = light.direction_from(surface.point) else { continue };
-        let l = l.map(|x| x as f32);
-        let facing = dot(l, surface.normal);
+        let l = Vec3::from(l.map(|x| x as f32));
+        let facing = l.dot(normal);
         if facing <= 0.0 {
             continue;
         }
-        add(&mut color, product(light.color, material.diffuse), facing);
+        // The weight goes first: what vanishes stays 0 however strong the light.
+        let strength = Vec3::from(light.color);
+        color += Vec3::from(material.diffuse) * facing * strength;
         if has_highlight(material) {
             // V.R with R = 2 (L.N) N - L.
-            let mirrored = 2.0 * facing * dot(surface.view, surface.normal) - dot(surface.view, l);
+            let mirrored = 2.0 * facing * view.dot(normal) - view.dot(l);
             if mirrored > 0.0 {
-                add(&mut color, product(light.color, material.specular), power(mirrored, material.shininess));
+                color += Vec3::from(material.specular) * power(mirrored, material.shininess) * strength;
             }
         }
     }
-    color
+    color.to_array()
 }
 
 /// Whether a material has a highlight at all: illumination model 2 or above, and a Ks that is not 0.
@@ -90,18 +95,4 @@ pub fn power(base: f32, exponent: u32) -> f32 {
         left >>= 1;
     }
     result as f32
-}
-
-fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn product(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
-    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
-}
-
-fn add(sum: &mut [f32; 3], color: [f32; 3], weight: f32) {
-    for i in 0..3 {
-        sum[i] += color[i] * weight;
-    }
 }

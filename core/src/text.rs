@@ -74,7 +74,11 @@ pub(crate) fn quote(piece: &str) -> String {
 pub(crate) fn path(written: &str) -> String {
     let bare = written.trim();
     let bare = bare.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(bare);
-    bare.replace('\\', "/")
+    let slashes = bare.replace('\\', "/");
+    // One spelling per file: no empty segments, and none that stay where they are.
+    let root = if slashes.starts_with('/') { "/" } else { "" };
+    let parts: Vec<&str> = slashes.split('/').filter(|part| !matches!(*part, "" | ".")).collect();
+    format!("{root}{}", parts.join("/"))
 }
 
 /// The bytes of a file as text.

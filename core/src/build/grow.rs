@@ -48,6 +48,8 @@ pub struct DagBuilder<H = Mix> {
     store: Grown<H>,
     depth: u8,
     forward: Vec<u32>,
+    /// The first failure that left something half done: all that follows fails with it.
+    failed: Option<BuildError>,
 }
 
 impl DagBuilder {
@@ -68,7 +70,7 @@ impl<H: BuildHasher> DagBuilder<H> {
             words: HEADER as u64,
             limit: u64::from(NODE),
         };
-        Ok(DagBuilder { reducer: Reducer::new(depth)?, store, depth, forward: Vec::new() })
+        Ok(DagBuilder { reducer: Reducer::new(depth)?, store, depth, forward: Vec::new(), failed: None })
     }
 
     /// Sets the most words that the DAG may have (at most 2^31 - 1); beyond, building ends with [`BuildError::Words`].
@@ -77,18 +79,36 @@ impl<H: BuildHasher> DagBuilder<H> {
     }
 
     /// Adds the next brick: `code` is that of its first voxel (a multiple of 64, ascending), `mask` its 4^3 voxels in
-    /// Morton order.
+    /// Morton order. What is out of order or outside is refused and changes nothing; after any other error the builder
+    /// is of no more use, and says so.
     #[inline]
     pub fn push(&mut self, code: Morton, mask: u64) -> Result<(), BuildError> {
-        self.reducer.push(&mut self.store, code, mask)
+        self.failed.map_or(Ok(()), Err)?;
+        let pushed = self.reducer.push(&mut self.store, code, mask);
+        self.keep(pushed)
     }
 
-    /// Adds the voxels of a whole DAG, its first corner at the voxel `at` (a multiple of its size, ascending).
+    /// Adds the voxels of a whole DAG that a builder made, its first corner at the voxel `at` (a multiple of its size,
+    /// ascending). Errors as in [`DagBuilder::push`].
     pub fn append(&mut self, at: Morton, dag: &Dag<'_>) -> Result<(), BuildError> {
+        self.failed.map_or(Ok(()), Err)?;
         let more = dag.words().len().saturating_sub(self.forward.len());
         self.forward.try_reserve(more).map_err(|_| BuildError::Memory { bytes: 4 * more as u64 })?;
         self.forward.resize(self.forward.len() + more, 0);
-        self.reducer.append(&mut self.store, at, dag, &mut self.forward)
+        let appended = self.reducer.append(&mut self.store, at, dag, &mut self.forward);
+        self.keep(appended)
+    }
+
+    /// Remembers an error that left nodes half done.
+    #[inline]
+    fn keep(&mut self, result: Result<(), BuildError>) -> Result<(), BuildError> {
+        match result {
+            Ok(()) | Err(BuildError::Order { .. } | BuildError::Outside { .. }) => result,
+            Err(error) => {
+                self.failed = Some(error);
+                result
+            }
+        }
     }
 
     /// Words of the DAG so far, without the nodes that are still open.
@@ -98,6 +118,7 @@ impl<H: BuildHasher> DagBuilder<H> {
 
     /// Closes the open nodes and lays the words out.
     pub fn finish(mut self) -> Result<DagBuf, BuildError> {
+        self.failed.map_or(Ok(()), Err)?;
         self.reducer.finish(&mut self.store)?;
         let Grown { bricks, nodes, words: total, .. } = self.store;
         drop(self.store.sets);

@@ -123,7 +123,8 @@ impl core::fmt::Display for DagError {
 impl core::error::Error for DagError {}
 
 impl<'a> Dag<'a> {
-    /// Checks every invariant of the layout in O(words), without heap. After `Ok` no query can panic or loop.
+    /// Checks all that queries rely on in O(words), without heap. After `Ok` no query can panic or loop. Not checked, as no
+    /// answer depends on it: that nodes are unique, in use, and in the order of first visit, as builders make them.
     pub fn new(words: &'a [u32]) -> Result<Dag<'a>, DagError> {
         let found = words.len() as u64;
         if words.len() < HEADER {

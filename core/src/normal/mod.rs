@@ -89,7 +89,7 @@ pub fn normal<M: Materials>(dag: Dag<'_>, materials: M, hit: &Hit, dir: [f64; 3]
 
 /// Where a hit is seen from.
 struct View {
-    /// Direction of the ray.
+    /// Unit direction of the ray; 0 if it has none.
     dir: [f64; 3],
     /// Unit normal of the side of entry.
     face: [f64; 3],
@@ -100,7 +100,8 @@ struct View {
 impl View {
     fn new(face: Face, dir: [f64; 3]) -> View {
         let face = entry_face(face, dir);
-        View { dir, face, outwards: math::sub(face, math::normalize(dir).unwrap_or([0.0; 3])) }
+        let dir = math::normalize(dir).unwrap_or([0.0; 3]);
+        View { dir, face, outwards: math::sub(face, dir) }
     }
 
     /// From the voxels at most `radius` away along each axis; `None`: entry face.

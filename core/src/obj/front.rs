@@ -72,11 +72,14 @@ struct Front<'n> {
     skipped: BTreeSet<String>,
 }
 
+/// Cutting a polygon takes time in proportion to the square of its corners: about a second for this many.
+const MAX_CORNERS: u32 = 10_000;
+
 pub(super) fn check(text: &str, notes: &mut Notes) -> Result<Checked, ImportError> {
     let mut front = Front {
         out: Checked {
-            vertices: String::with_capacity(text.len() / 2),
-            faces: String::with_capacity(text.len() / 2),
+            vertices: String::new(),
+            faces: String::new(),
             libraries: Vec::new(),
             names: Vec::new(),
             bare: None,
@@ -217,6 +220,11 @@ impl Front<'_> {
         if corners < 3 {
             let hint = "delete the line, or use l or p for lines and points";
             return Err(format!("a face has {corners} corners: expected at least 3; {hint}"));
+        }
+        if corners > MAX_CORNERS {
+            return Err(format!(
+                "a face has {corners} corners: expected at most {MAX_CORNERS}; cut it into smaller ones"
+            ));
         }
         Ok(())
     }

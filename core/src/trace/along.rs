@@ -23,6 +23,7 @@ pub struct Voxels {
 
 /// The ray of a query and its first voxel in a cube of `size` voxels.
 fn begin(query: &Query, size: i32) -> Option<(Ray, [i32; 3])> {
+    let query = &query.anchored();
     if !Ray::exists(query, size) {
         return None;
     }

@@ -5,6 +5,10 @@
 
 use core::cmp::Ordering;
 
+/// Products of two numbers between these neither under- nor overflow, and neither do their rounding errors.
+pub(super) const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
+pub(super) const HUGE: f64 = f64::from_bits((1023 + 400) << 52); // 2^400
+
 /// `(a - b) / d`, to within one unit in the last place: the difference with its rounding error (two-sum), divided, with
 /// the remainder put back once.
 pub(super) fn quotient(a: f64, b: f64, d: f64) -> f64 {
@@ -12,9 +16,9 @@ pub(super) fn quotient(a: f64, b: f64, d: f64) -> f64 {
     let bb = high - a;
     let low = (a - (high - bb)) - (b + bb);
     let q = high / d;
-    let corrected = q + (exact_remainder(high, q, d) + low) / d;
     // Near the ends of the range the correction itself under- or overflows.
-    if corrected.is_finite() { corrected } else { q }
+    let tame = |x: f64| x.abs() >= TINY && x.abs() <= HUGE;
+    if tame(high) && tame(q) && tame(d) { q + (exact_remainder(high, q, d) + low) / d } else { q }
 }
 
 /// `a - q b` for `q` near `a / b`, exact where nothing under- or overflows (two-product by Dekker's split).

@@ -23,11 +23,12 @@ pub struct Query {
     pub dir: [f64; 3],
     /// Hits before it do not count.
     pub t_min: f64,
-    /// Hits at or after it do not count.
+    /// Hits at or after it do not count (the true time decides; `Hit::t` may round to it).
     pub t_max: f64,
     /// Nodes of this level count as filled if anything in them is: 0 is voxels, 1 cubes of 2^3, and so on.
     pub min_level: u8,
-    /// Start in this (empty) voxel instead of where the origin lies: rays that leave a surface name `Hit::from`.
+    /// Start in this (empty) voxel instead of where the origin lies: rays that leave a surface name `Hit::from`. It is to
+    /// be one that the line passes, up to rounding; from any other the ray drifts back to the line, by ways not specified.
     pub start: Option<Morton>,
 }
 
@@ -35,6 +36,22 @@ impl Query {
     /// The half line from `origin` along `dir`, at full resolution.
     pub fn new(origin: [f64; 3], dir: [f64; 3]) -> Query {
         Query { origin, dir, t_min: 0.0, t_max: f64::INFINITY, min_level: 0, start: None }
+    }
+
+    /// The query with its origin inside the start voxel on the axes along which it never moves: there rounding may have
+    /// put it beside the voxel, and no step would ever put that right.
+    #[inline(always)]
+    fn anchored(&self) -> Query {
+        let mut query = *self;
+        if let Some(voxel) = self.start {
+            let p = voxel.decode();
+            for i in 0..3 {
+                if self.dir[i] == 0.0 {
+                    query.origin[i] = f64::from(p[i]) + 0.5;
+                }
+            }
+        }
+        query
     }
 }
 
@@ -81,7 +98,7 @@ pub struct Hit {
     pub from: Option<Morton>,
     /// Entry, in units of the direction; `t_min` if the ray starts inside.
     pub t: f64,
-    /// Level of what was hit: 0 a voxel, otherwise the query's `min_level`.
+    /// Level of what was hit: 0 a voxel, otherwise the query's `min_level`, at most the depth.
     pub level: u8,
     /// Side of entry.
     pub face: Face,

@@ -10,7 +10,7 @@
 use core::cmp::Ordering;
 
 use super::Query;
-use super::exact::{self, Sum};
+use super::exact::{self, HUGE, Sum, TINY};
 
 /// The axis of a plain time: the crossing of `plane = t` with origin 0 and direction 1.
 const TIME: usize = 3;
@@ -47,6 +47,11 @@ impl Crossing {
     /// A plain time as a crossing.
     pub(super) fn at_time(t: f64) -> Crossing {
         Crossing { axis: TIME, plane: t, t }
+    }
+
+    /// Whether it is the plain time before all others: any plane comes after it.
+    pub(super) fn is_beginning(&self) -> bool {
+        self.axis == TIME && self.t == f64::NEG_INFINITY
     }
 
     /// Whether it is a plane's, not a plain time.
@@ -101,8 +106,6 @@ impl Ray {
     /// products may under- or overflow.
     #[inline(always)]
     fn set_slack(&mut self, t_min: f64, size: i32) {
-        const TINY: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
-        const HUGE: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
         const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
         let tame = |x: f64| x.abs() >= TINY && x.abs() <= HUGE;
         // All times that matter lie between the cube's near and far planes, or are t_min.

@@ -19,6 +19,7 @@ use crate::morton::Morton;
 /// Nearest hit, and the number of rounds that it took.
 #[inline(never)]
 pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, u32) {
+    let query = &query.anchored();
     let mut rounds = 0;
     let size = 1i32 << tracer.dag.depth();
     if tracer.dag.is_empty() || !Ray::exists(query, size) {
@@ -33,6 +34,7 @@ pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, que
 /// Any hit.
 #[inline(never)]
 pub(super) fn occluded<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> bool {
+    let query = &query.anchored();
     let size = 1i32 << tracer.dag.depth();
     if tracer.dag.is_empty() || !Ray::exists(query, size) {
         return false;
@@ -132,14 +134,14 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
 pub(super) fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<[i32; 3]> {
     if let Some(voxel) = query.start {
         let p = voxel.decode().map(|x| x as i32);
-        return (p.iter().all(|x| *x < size) && query.t_min.is_finite()).then_some(p);
+        return p.iter().all(|x| *x < size).then_some(p);
     }
     // The ray enters with the last of the planes that face it, unless it has crossed them all at t_min.
     let start = Crossing::at_time(query.t_min);
     let mut now = start;
     for i in (0..3).filter(|i| ray.moving(*i)) {
         let near = ray.crossing(i, size & !ray.up[i]);
-        if now.t == f64::NEG_INFINITY || ray.order::<EXACT>(&near, &now).is_gt() {
+        if now.is_beginning() || ray.order::<EXACT>(&near, &now).is_gt() {
             now = near;
         }
     }
@@ -176,7 +178,7 @@ pub(super) fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size:
     let mut together = [false; 3];
     for i in (0..3).filter(|i| ray.moving(*i)) {
         let entry = ray.crossing(i, p[i] + (1 & !ray.up[i]));
-        let order = if last.t == f64::NEG_INFINITY { Ordering::Greater } else { ray.order::<EXACT>(&entry, &last) };
+        let order = if last.is_beginning() { Ordering::Greater } else { ray.order::<EXACT>(&entry, &last) };
         if order.is_gt() {
             last = entry;
             together = [false; 3];

@@ -39,7 +39,7 @@ pub enum VoxelizeError {
     Mesh(MeshError),
     /// The grid is malformed, or does not hold the mesh.
     Grid(GridError),
-    /// The heap refused.
+    /// The heap refused, or the limit did.
     Memory {
         /// Bytes that were asked for and not given.
         bytes: u64,
@@ -84,8 +84,18 @@ fn reserve<T>(list: &mut Vec<T>, more: usize) -> Result<(), VoxelizeError> {
 impl<'m> Voxelizer<'m> {
     /// Checks and snaps the mesh and sorts its triangles into subtrees. O(triangles).
     pub fn new(mesh: &Mesh<'m>, grid: &Grid, cover: Cover) -> Result<Voxelizer<'m>, VoxelizeError> {
+        Voxelizer::within(mesh, grid, cover, u64::MAX)
+    }
+
+    /// [`Voxelizer::new`], refusing to take more than `limit` bytes for snapped vertices and lists of triangles.
+    pub fn within(mesh: &Mesh<'m>, grid: &Grid, cover: Cover, limit: u64) -> Result<Voxelizer<'m>, VoxelizeError> {
         mesh.validate().map_err(VoxelizeError::Mesh)?;
         let grid = grid.checked().map_err(VoxelizeError::Grid)?;
+
+        let bytes = 12 * mesh.positions.len() as u64;
+        if bytes > limit {
+            return Err(VoxelizeError::Memory { bytes });
+        }
 
         // Snap the vertices that triangles use.
         let mut snapped = Vec::new();
@@ -106,48 +116,59 @@ impl<'m> Voxelizer<'m> {
         let level = depth - (depth - 2).min(SPLIT);
         let mut voxelizer =
             Voxelizer { mesh: *mesh, grid, cover, snapped, level, subtrees: Vec::new(), lists: Vec::new() };
-        voxelizer.sort_into_subtrees()?;
+        voxelizer.sort_into_subtrees(limit)?;
         Ok(voxelizer)
     }
 
-    /// Fills `subtrees` and `lists`.
-    fn sort_into_subtrees(&mut self) -> Result<(), VoxelizeError> {
-        // Pair each triangle with the subtrees that it can mark.
+    /// Calls `each` with every triangle and every subtree that it can mark (its code in units of subtrees).
+    fn each_subtree(&self, mut each: impl FnMut(usize, u32)) {
         let depth = self.grid.depth().max(2);
         let size = 1i32 << self.level;
-        let mut pairs: Vec<(u32, u32)> = Vec::new();
         for triangle in 0..self.mesh.triangles.len() {
             let prism = Prism::new(&self.vertices(triangle), self.cover, [0; 3], depth, self.grid.resolution);
             let cells = prism.range().map(|(lo, hi)| (lo >> self.level, hi >> self.level));
+            let alone = cells.iter().all(|(lo, hi)| lo == hi);
             for z in cells[2].0..=cells[2].1 {
                 for y in cells[1].0..=cells[1].1 {
                     for x in cells[0].0..=cells[0].1 {
                         let k = [x, y, z];
-                        if let Verdict::Open(_) = prism.cube(k.map(|c| c * size), size, prism.active) {
-                            reserve(&mut pairs, 1)?;
-                            pairs.push((Morton::encode_masked(k.map(|c| c as u32)).0 as u32, triangle as u32));
+                        // Where the triangle's box lies in one subtree, it can only be that one.
+                        if alone || matches!(prism.cube(k.map(|c| c * size), size, prism.active), Verdict::Open(_)) {
+                            each(Morton::encode_masked(k.map(|c| c as u32)).0 as usize, triangle as u32);
                         }
                     }
                 }
             }
         }
-        // Count, add up, and place: triangles keep their order within a subtree.
+    }
+
+    /// Fills `subtrees` and `lists`, unless they and the snapped vertices take more bytes than `limit`.
+    fn sort_into_subtrees(&mut self, limit: u64) -> Result<(), VoxelizeError> {
+        // Count the triangles of each subtree, add up, and place: they keep their order within a subtree.
+        let depth = self.grid.depth().max(2);
         let subtrees = 1usize << (3 * (depth - self.level));
         let mut ends = [0u32; 1 << (3 * SPLIT)];
-        for (code, _) in &pairs {
-            ends[*code as usize] += 1;
+        let mut total = 0u64;
+        self.each_subtree(|code, _| {
+            total += 1;
+            ends[code] = ends[code].wrapping_add(1);
+        });
+        let bytes = 12 * self.snapped.len() as u64 + 4 * total;
+        if total > u64::from(u32::MAX) || bytes > limit {
+            return Err(VoxelizeError::Memory { bytes });
         }
-        let mut total = 0;
+        let mut start = 0;
         for count in &mut ends[..subtrees] {
-            (*count, total) = (total, total + *count);
+            (*count, start) = (start, start + *count);
         }
-        reserve(&mut self.lists, pairs.len())?;
-        self.lists.resize(pairs.len(), 0);
-        for (code, triangle) in pairs {
-            let end = &mut ends[code as usize];
-            self.lists[*end as usize] = triangle;
-            *end += 1;
-        }
+        reserve(&mut self.lists, total as usize)?;
+        let mut lists = core::mem::take(&mut self.lists);
+        lists.resize(total as usize, 0);
+        self.each_subtree(|code, triangle| {
+            lists[ends[code] as usize] = triangle;
+            ends[code] += 1;
+        });
+        self.lists = lists;
         reserve(&mut self.subtrees, subtrees)?;
         let mut start = 0;
         for (code, &end) in ends[..subtrees].iter().enumerate() {

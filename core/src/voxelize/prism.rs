@@ -134,7 +134,8 @@ impl Prism {
         let distance = dot(n, v[0]);
         let from = reach.constant(&n, distance);
         let to = reach.constant(&n.map(|x| -x), -distance);
-        if n.iter().filter(|x| **x != 0).count() > 1 {
+        // Seen edge on along an axis, the two sides of the segment there are those of the plane.
+        if n.iter().all(|x| *x != 0) {
             active |= PLANE;
         }
         let largest = n.iter().map(|x| i128::from(x.abs()) * i128::from(size)).sum::<i128>();

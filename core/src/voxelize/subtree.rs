@@ -46,13 +46,13 @@ impl Voxelizer<'_> {
         let mut marks: Vec<(u32, u64)> = Vec::new();
         reserve(&mut prisms, list.len())?;
         reserve(&mut reached, list.len())?;
+        reserve(&mut crosshairs, if self.cover == Cover::Thin { list.len() } else { 0 })?;
         for (at, &triangle) in list.iter().enumerate() {
             let v = self.vertices(triangle as usize);
             let prism = Prism::new(&v, self.cover, base, self.level, self.grid.resolution);
             reached.push((at as u32, prism.active));
             prisms.push(prism);
             if self.cover == Cover::Thin {
-                reserve(&mut crosshairs, 1)?;
                 crosshairs.push(Crosshair::new(&v, base));
             }
         }
