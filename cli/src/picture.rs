@@ -9,18 +9,19 @@ use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
 use voxdag::file::Scene;
-use voxdag::grid::Bounds;
-use voxdag::grid::UpAxis;
+use voxdag::grid::{Bounds, UpAxis};
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
+use voxdag::trace::Tracer;
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
 use crate::options::{MachineArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
+use crate::scene;
 
 /// A finished picture and what it took.
 pub struct Picture {
@@ -69,20 +70,23 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     let camera = camera(scene, args)?;
     let lights = lights(scene, &camera, args);
     let settings = settings(scene, args)?;
+    // The grid pays for itself after some thousand rays.
+    let start = Instant::now();
+    let top = scene::top_grid(scene.dag)?;
+    let tracer = Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag));
     // Chosen once, so that the rays run in code for one representation of materials.
     let band = |rows: Range<u32>, pixels: &mut [u32]| {
-        let (dag, palette, grid, lights) = (scene.dag, &scene.palette[..], scene.grid, &lights[..]);
+        let (palette, grid, lights) = (&scene.palette[..], scene.grid, &lights[..]);
         match scene.materials {
             AnyMaterials::Single(materials) => {
-                render_rows(&View { dag, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
             }
             AnyMaterials::Table(materials) => {
-                render_rows(&View { dag, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
             }
         }
     };
 
-    let start = Instant::now();
     let counters = in_bands("drawing", args.size, &mut pixels, band)?;
     let highlights = !lights.is_empty() && scene.palette.iter().any(has_highlight);
     Ok(Picture {

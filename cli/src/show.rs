@@ -11,11 +11,12 @@ use voxdag::materials::Materials;
 use voxdag::math;
 use voxdag::normal;
 use voxdag::render::{Counters, each_pixel};
-use voxdag::trace::{Face, Hit, Query};
+use voxdag::trace::{Face, Hit, Query, Tracer};
 
 use crate::error::{Error, Result};
 use crate::options::{MachineArgs, PictureArgs};
 use crate::picture::{self, Picture, Rays, Shown};
+use crate::scene;
 
 /// What a picture shows.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -45,7 +46,7 @@ pub struct Spread {
 
 /// Draws anything but [`Show::Shaded`] on the threads of the current pool; the numbers, where there are some.
 pub fn draw(
-    scene: &Shown<'_>,
+    shown: &Shown<'_>,
     args: &PictureArgs,
     show: Show,
     machine: &MachineArgs,
@@ -55,26 +56,26 @@ pub fn draw(
             .hint("leave --samples or --show away"));
     }
     let start = Instant::now();
-    let (dag, normals) = (scene.dag, args.normals.kind(&scene.materials)?);
+    let (dag, normals) = (shown.dag, args.normals.kind(&shown.materials)?);
     // Pixels, the encoder's bytes, and the numbers.
     let mut pixels = picture::room(args.size, 12, machine)?;
     let mut values = Vec::new();
     let counters = match show {
-        Show::Normals => look(scene, args, &mut pixels, |query, hit, _| match hit {
+        Show::Normals => look(shown, args, &mut pixels, |query, hit, _| match hit {
             Some(hit) => {
-                rgba(normal::normal(dag, scene.materials, hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
+                rgba(normal::normal(dag, shown.materials, hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
             }
             None => BLACK,
         })?,
-        Show::Material => look(scene, args, &mut pixels, |_, hit, _| {
-            hit.map_or(BLACK, |hit| material_colour(scene.materials.id(dag, hit.voxel)))
+        Show::Material => look(shown, args, &mut pixels, |_, hit, _| {
+            hit.map_or(BLACK, |hit| material_colour(shown.materials.id(dag, hit.voxel)))
         })?,
         _ => {
             values = picture::room(args.size, 12, machine)?;
-            look(scene, args, &mut values, |query, hit, rounds| match show {
-                Show::Level => hit.map_or(f32::INFINITY, |hit| level(scene, hit).into()),
+            look(shown, args, &mut values, |query, hit, rounds| match show {
+                Show::Level => hit.map_or(f32::INFINITY, |hit| level(shown, hit).into()),
                 Show::Iterations => rounds as f32,
-                _ => distance(scene, query, hit),
+                _ => distance(shown, query, hit),
             })?
         }
     };
@@ -99,27 +100,29 @@ pub fn draw(
 
 /// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is
 /// nothing.
-pub fn depths(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Vec<f32>> {
+pub fn depths(shown: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Vec<f32>> {
     // The picture is there as well.
     let mut depths = picture::room(args.size, 12, machine)?;
-    look(scene, args, &mut depths, |query, hit, _| distance(scene, query, hit))?;
+    look(shown, args, &mut depths, |query, hit, _| distance(shown, query, hit))?;
     Ok(depths)
 }
 
 /// Fills `out` with what `see` makes of each pixel's ray, its hit and the rounds of its walk.
 fn look<T: Send>(
-    scene: &Shown<'_>,
+    shown: &Shown<'_>,
     args: &PictureArgs,
     out: &mut [T],
     see: impl Fn(&Query, Option<&Hit>, u32) -> T + Sync,
 ) -> Result<Counters> {
-    let camera = picture::camera(scene, args)?;
+    let camera = picture::camera(shown, args)?;
     let arithmetic = args.arithmetic.kind();
+    let top = scene::top_grid(shown.dag)?;
+    let tracer = Tracer::with_top(shown.dag, top.as_top()).unwrap_or(Tracer::new(shown.dag));
     picture::in_bands("drawing", args.size, out, |rows, out| {
         let mut counters = Counters::default();
-        each_pixel(&camera, &scene.grid, args.size, rows, out, |pixel| {
+        each_pixel(&camera, &shown.grid, args.size, rows, out, |pixel| {
             let query = pixel.query([0.5; 2]);
-            let (hit, rounds) = scene.dag.trace_counted(arithmetic, &query);
+            let (hit, rounds) = tracer.trace_counted(arithmetic, &query);
             counters.primary += 1;
             counters.hits += u64::from(hit.is_some());
             see(&query, hit.as_ref(), rounds)
@@ -129,18 +132,18 @@ fn look<T: Send>(
 }
 
 /// Along the ray, in world units.
-fn distance(scene: &Shown<'_>, query: &Query, hit: Option<&Hit>) -> f32 {
-    let unit = math::sqrt(math::dot(query.dir, query.dir)) * scene.grid.voxel_size;
+fn distance(shown: &Shown<'_>, query: &Query, hit: Option<&Hit>) -> f32 {
+    let unit = math::sqrt(math::dot(query.dir, query.dir)) * shown.grid.voxel_size;
     hit.map_or(f32::INFINITY, |hit| (hit.t * unit) as f32)
 }
 
 /// Level of the largest empty octree cube around the voxel before the hit; the root's where the ray comes from outside,
 /// and 0 for an eye inside a voxel.
-fn level(scene: &Shown<'_>, hit: &Hit) -> u8 {
+fn level(shown: &Shown<'_>, hit: &Hit) -> u8 {
     match hit.from {
-        Some(voxel) => scene.dag.empty_level(voxel).unwrap_or(0),
+        Some(voxel) => shown.dag.empty_level(voxel).unwrap_or(0),
         None if hit.face == Face::Inside => 0,
-        None => scene.dag.depth(),
+        None => shown.dag.depth(),
     }
 }
 

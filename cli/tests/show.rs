@@ -88,9 +88,10 @@ fn depths_are_distances_bottom_row_first() {
         let at = 4 * ((8 - row_from_top) * 9 + column);
         f32::from_le_bytes(data[at..][..4].try_into().unwrap())
     };
+    const TAN_7_DEGREES: f64 = 0.122_784_560_902_904_6;
     // From the eye to the plane z = 32 or 31, along a ray that is `y` off the axis there.
     let expected = |distance: f64, row: usize| {
-        let slope = (4.0 - row as f64) / 4.5 * 7f64.to_radians().tan();
+        let slope = (4.0 - row as f64) / 4.5 * TAN_7_DEGREES;
         distance * (1.0 + slope * slope).sqrt()
     };
     assert!((f64::from(depth(4, 3)) - expected(8.0, 3)).abs() < 1e-5, "{}", depth(4, 3));

@@ -12,7 +12,7 @@ use voxdag::Morton;
 use voxdag::file::Scene;
 use voxdag::materials::Materials;
 use voxdag::normal::{self, NormalKind};
-use voxdag::trace::{Arithmetic, Face, Hit, Query};
+use voxdag::trace::{Arithmetic, Face, Hit, Query, Tracer};
 use voxdag_oracle::textbook::dda_f32_hit;
 
 use crate::error::{Error, Kind, Result};
@@ -39,8 +39,8 @@ Hits: CSV, one line a ray, in order: hit,t,x,y,z,face,material,nx,ny,nz
   material  its number; `voxdag info F.vxd` has the names
   nx,ny,nz  the surface's direction, out of it, of length 1
 
-World rays are moved to the grid once, in f64: (origin - grid origin) / voxel size, direction / voxel size. The answer is
-exact for the ray after that, and t is the same in both spaces.
+World rays are moved to the grid once, in f64: (origin - grid origin) / voxel size, direction / voxel size. The answer
+is exact for the ray after that, and t is the same in both spaces.
 
 Examples:
   voxdag cast bunny.vxd --rays rays.csv -o hits.csv
@@ -128,8 +128,10 @@ pub fn run(args: &Args) -> Result<()> {
     let pool = args.machine.pool()?;
     let words = input::read_scene_within(&args.scene, &args.machine)?;
     let scene = scene::open(&args.scene, &words)?;
+    let top = scene::top_grid(scene.dag)?;
     let caster = Caster {
         scene: &scene,
+        tracer: Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag)),
         space: args.space,
         arithmetic: args.arithmetic,
         normals: args.normals.kind(&scene.materials)?,
@@ -194,6 +196,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// What rays are asked of.
 struct Caster<'a> {
     scene: &'a Scene<'a>,
+    tracer: Tracer<'a>,
     space: Space,
     arithmetic: CastArithmetic,
     normals: NormalKind,
@@ -250,8 +253,8 @@ impl Caster<'_> {
     fn trace(&self, query: &Query) -> Option<Hit> {
         let dag = self.scene.dag;
         match self.arithmetic {
-            CastArithmetic::Exact => dag.trace_with(Arithmetic::Exact, query),
-            CastArithmetic::F64 => dag.trace_with(Arithmetic::F64, query),
+            CastArithmetic::Exact => self.tracer.trace(Arithmetic::Exact, query),
+            CastArithmetic::F64 => self.tracer.trace(Arithmetic::F64, query),
             CastArithmetic::F32 => {
                 let single = |v: [f64; 3]| v.map(|x| x as f32);
                 let filled = |voxel| Morton::encode(voxel).is_some_and(|voxel| dag.contains(voxel));

@@ -1,0 +1,103 @@
+//! Rays that go on: every filled voxel along a ray, and every voxel at all.
+//!
+//! The same walk as for the first hit, taken up again behind each one; exact, and in the order in which the ray meets them.
+
+use super::ray::Ray;
+use super::walk::{arrive, enter, walk};
+use super::{Hit, Query, Tracer};
+use crate::morton::{BITS, Morton};
+
+/// Iterator over the filled voxels along a ray. See [`Tracer::hits`].
+pub struct Hits<'a> {
+    tracer: Tracer<'a>,
+    query: Query,
+    /// The ray and the voxel to go on from; `None` at the end.
+    next: Option<(Ray, [i32; 3])>,
+}
+
+/// Iterator over the voxels that a ray passes, filled or not. See [`Query::voxels`].
+pub struct Voxels {
+    size: i32,
+    next: Option<(Ray, [i32; 3])>,
+}
+
+/// The ray of a query and its first voxel in a cube of `size` voxels.
+fn begin(query: &Query, size: i32) -> Option<(Ray, [i32; 3])> {
+    if !Ray::exists(query, size) {
+        return None;
+    }
+    let ray = Ray::new::<true>(query, size);
+    let start = enter::<true>(&ray, query, size)?;
+    Some((ray, start))
+}
+
+/// The voxel behind the cube of `side` around `p`; `None` outside the cube of `size` voxels or at `t_max`.
+fn behind(ray: &Ray, p: [i32; 3], side: i32, size: i32) -> Option<[i32; 3]> {
+    let planes = ray.planes(p, side);
+    let next = ray.step(p, planes, side == 1).or_else(|| ray.step_close::<true>(p, planes))?;
+    next.iter().all(|x| *x >= 0 && *x < size).then_some(next)
+}
+
+impl<'a> Tracer<'a> {
+    /// All filled voxels that the ray meets between `t_min` and `t_max`, in order, exactly: picking through what is in
+    /// front. With a `min_level` all cubes of that level that hold one.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Query, Tracer}};
+    /// let mut builder = DagBuilder::new(2)?;
+    /// builder.push(Morton(0), 1 | 1 << 8)?; // voxels (0, 0, 0) and (2, 0, 0)
+    /// let built = builder.finish()?;
+    /// let query = Query::new([-1.0, 0.5, 0.5], [1.0, 0.0, 0.0]);
+    /// let times: Vec<f64> = Tracer::new(built.dag()).hits(&query).map(|hit| hit.t).collect();
+    /// assert_eq!(times, [1.0, 3.0]);
+    /// # Ok::<(), voxdag::build::BuildError>(())
+    /// ```
+    pub fn hits(&self, query: &Query) -> Hits<'a> {
+        let next = if self.dag.is_empty() { None } else { begin(query, 1 << self.dag.depth()) };
+        Hits { tracer: *self, query: *query, next }
+    }
+}
+
+impl Iterator for Hits<'_> {
+    type Item = Hit;
+
+    fn next(&mut self) -> Option<Hit> {
+        let (ray, p) = self.next.take()?;
+        let size = 1 << self.tracer.dag.depth();
+        let min_level = self.query.min_level;
+        let (p, level) = if self.tracer.serves(&self.query) {
+            walk::<true, true>(&self.tracer, &ray, p, min_level, &mut 0)?
+        } else {
+            walk::<true, false>(&self.tracer, &ray, p, min_level, &mut 0)?
+        };
+        let hit = arrive::<true>(&ray, p, level, size, &self.query);
+        self.next = behind(&ray, p, 1 << level, size).map(|next| (ray, next));
+        Some(hit)
+    }
+}
+
+impl Query {
+    /// All voxels that the ray passes between `t_min` and `t_max` in a cube of `2^depth` voxels a side (depth at most 21),
+    /// in order, exactly, whether anything fills them or not: lines of sight, marking, carving. `min_level` is ignored.
+    ///
+    /// ```
+    /// # use voxdag::trace::Query;
+    /// let diagonal = Query { t_max: 3.0, ..Query::new([0.5, 0.5, 0.5], [1.0, 1.0, 0.0]) };
+    /// let passed: Vec<_> = diagonal.voxels(2).map(|voxel| voxel.decode()).collect();
+    /// assert_eq!(passed, [[0, 0, 0], [1, 1, 0], [2, 2, 0], [3, 3, 0]]);
+    /// ```
+    pub fn voxels(&self, depth: u8) -> Voxels {
+        let size = 1 << u32::from(depth).min(BITS);
+        Voxels { size, next: begin(self, size) }
+    }
+}
+
+impl Iterator for Voxels {
+    type Item = Morton;
+
+    fn next(&mut self) -> Option<Morton> {
+        let (ray, p) = self.next.take()?;
+        self.next = behind(&ray, p, 1, self.size).map(|next| (ray, next));
+        Some(Morton::encode_masked(p.map(|x| x as u32)))
+    }
+}
