@@ -46,7 +46,12 @@ pub fn read(path: &Path, machine: &MachineArgs) -> Result<Content> {
 
 /// Reads a file that must be a scene.
 pub fn read_scene(path: &Path) -> Result<Vec<u32>> {
-    match read(path, &MachineArgs::default())? {
+    read_scene_within(path, &MachineArgs::default())
+}
+
+/// The same within a limit of memory.
+pub fn read_scene_within(path: &Path, machine: &MachineArgs) -> Result<Vec<u32>> {
+    match read(path, machine)? {
         Content::Scene(words) => Ok(words),
         Content::Mesh(_) => Err(Error::input(path, "is not a voxdag scene").hint(format_args!(
             "make one of a mesh with `voxdag build {} -o {}`",
@@ -96,7 +101,8 @@ fn open(path: &Path) -> Result<(File, u64)> {
     Ok((file, found.len()))
 }
 
-fn unreadable(path: &Path, cause: &std::io::Error) -> Error {
+/// A file that the system would not let us read.
+pub fn unreadable(path: &Path, cause: &std::io::Error) -> Error {
     match cause.kind() {
         ErrorKind::NotFound => Error::input(path, "there is no such file"),
         _ => Error::input(path, format_args!("cannot read: {cause}")),

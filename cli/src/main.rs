@@ -1,19 +1,23 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `scene` and `picture` (the core's stages on all cores), `progress`, `report`, `stats` and `error`. No algorithm of the
+//! `scene`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other programs' files), `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
 mod error;
+mod formats;
+mod hexfloat;
 mod input;
 mod options;
 mod ordered;
 mod output;
 mod picture;
 mod progress;
+mod rays;
 mod report;
 mod scene;
+mod show;
 mod stats;
 
 use clap::{Parser, Subcommand};
@@ -43,6 +47,8 @@ enum Command {
     Render(cmd::render::Args),
     Info(cmd::info::Args),
     Verify(cmd::verify::Args),
+    Cast(cmd::cast::Args),
+    Export(cmd::export::Args),
     Completions(cmd::completions::Args),
 }
 
@@ -55,6 +61,8 @@ fn main() {
         Command::Render(args) => cmd::render::run(&args),
         Command::Info(args) => cmd::info::run(&args),
         Command::Verify(args) => cmd::verify::run(&args),
+        Command::Cast(args) => cmd::cast::run(&args),
+        Command::Export(args) => cmd::export::run(&args),
         Command::Completions(args) => cmd::completions::run(&args),
     };
     if let Err(error) = result {

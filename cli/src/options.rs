@@ -2,7 +2,10 @@
 //! was not given stays `None` where its absence matters.
 
 use clap::{Args, ValueEnum};
+use voxdag::materials::AnyMaterials;
+use voxdag::normal::NormalKind;
 use voxdag::render::Samples;
+use voxdag::trace::Arithmetic;
 
 use crate::error::{Error, Kind};
 use crate::report::{number as number_text, size};
@@ -182,6 +185,25 @@ pub enum NormalsArg {
     Plane3,
 }
 
+impl NormalsArg {
+    /// The core's name for it, if the scene's materials can give it.
+    pub fn kind(self, materials: &AnyMaterials<'_>) -> Result<NormalKind, Error> {
+        let stored = matches!(materials, AnyMaterials::Table(table) if table.has_normals());
+        Ok(match self {
+            NormalsArg::Face => NormalKind::Face,
+            NormalsArg::Stored if stored => NormalKind::Stored,
+            NormalsArg::Stored => {
+                return Err(Error::usage("--normals stored: the scene has no stored normals")
+                    .hint("build it with --materials table-normals"));
+            }
+            NormalsArg::Gradient => NormalKind::Gradient,
+            NormalsArg::Plane1 => NormalKind::Plane1,
+            NormalsArg::Plane2 => NormalKind::Plane2,
+            NormalsArg::Plane3 => NormalKind::Plane3,
+        })
+    }
+}
+
 /// How rays are followed.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum ArithmeticArg {
@@ -190,6 +212,16 @@ pub enum ArithmeticArg {
     Exact,
     /// Rounded; may miss by a voxel where a ray runs along an edge
     F64,
+}
+
+impl ArithmeticArg {
+    /// The core's name for it.
+    pub fn kind(self) -> Arithmetic {
+        match self {
+            ArithmeticArg::Exact => Arithmetic::Exact,
+            ArithmeticArg::F64 => Arithmetic::F64,
+        }
+    }
 }
 
 /// What the machine may give.

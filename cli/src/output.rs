@@ -4,13 +4,13 @@
 //! Ctrl-C (and SIGTERM) removes what is half written and exits with 130.
 
 use std::fs::File;
-use std::io::{BufWriter, IsTerminal};
+use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 
 use tempfile::NamedTempFile;
 
-use crate::error::{Error, INTERRUPTED, Result};
+use crate::error::{Error, INTERRUPTED, Kind, Result};
 
 /// Temporary files to remove when the run is interrupted.
 static HALF_WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -36,6 +36,68 @@ pub fn clean_up_when_interrupted() {
     // Without a handler an interrupt still ends the program; only a temporary file may stay.
     if let Err(cause) = ctrlc::set_handler(handler) {
         eprintln!("warning: Ctrl-C will not clean up: {cause}");
+    }
+}
+
+/// Why an output ends before it is whole.
+pub enum Stop {
+    /// It cannot be written.
+    Write(std::io::Error),
+    /// What was to be written cannot be had.
+    Refused(Error),
+}
+
+impl From<std::io::Error> for Stop {
+    fn from(cause: std::io::Error) -> Stop {
+        Stop::Write(cause)
+    }
+}
+
+impl From<Error> for Stop {
+    fn from(error: Error) -> Stop {
+        Stop::Refused(error)
+    }
+}
+
+/// Where a stream goes: to a file, or to whoever reads stdout.
+pub enum Sink {
+    /// `-o FILE`.
+    File(Output),
+    /// `-o -`, or no `-o`.
+    Stdout,
+}
+
+impl Sink {
+    /// Opens the way to `path`; `None` and `-` are stdout, which then has no place for a report in JSON.
+    pub fn create(path: Option<&Path>, extension: &str, json: bool) -> Result<Sink> {
+        match path {
+            Some(path) if path != Path::new("-") => Output::create(path, extension).map(Sink::File),
+            _ if json => Err(Error::usage("--json: stdout has the result itself").hint("name a file with -o")),
+            _ => Ok(Sink::Stdout),
+        }
+    }
+
+    /// Refuses to replace any of the `inputs`.
+    pub fn must_not_replace(&self, inputs: &[PathBuf]) -> Result<()> {
+        match self {
+            Sink::File(output) => output.must_not_replace(inputs),
+            Sink::Stdout => Ok(()),
+        }
+    }
+
+    /// Writes the content. A reader of stdout that has seen enough (`| head`) ends it, and is no failure.
+    pub fn finish(self, write: impl FnOnce(&mut dyn Write) -> Result<(), Stop>) -> Result<()> {
+        let Sink::File(output) = self else {
+            let mut writer = BufWriter::new(std::io::stdout().lock());
+            return match write(&mut writer).and_then(|()| Ok(writer.flush()?)) {
+                Err(Stop::Refused(error)) => Err(error),
+                Err(Stop::Write(cause)) if cause.kind() != ErrorKind::BrokenPipe => {
+                    Err(Error::new(Kind::Failure, format_args!("cannot write to stdout: {cause}")))
+                }
+                _ => Ok(()),
+            };
+        };
+        output.finish(|file| write(file))
     }
 }
 
@@ -96,10 +158,13 @@ impl Output {
     }
 
     /// Writes the content, and puts the file into its place.
-    pub fn finish(self, write: impl FnOnce(&mut BufWriter<&File>) -> std::io::Result<()>) -> Result<()> {
+    pub fn finish<E: Into<Stop>>(self, write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>) -> Result<()> {
         let failed = |cause: std::io::Error| Error::write(&self.path, cause);
         let mut writer = BufWriter::new(self.file.as_file());
-        write(&mut writer).map_err(failed)?;
+        write(&mut writer).map_err(|stop| match stop.into() {
+            Stop::Write(cause) => failed(cause),
+            Stop::Refused(error) => error,
+        })?;
         writer.into_inner().map_err(|e| failed(e.into_error()))?;
         let temporary = self.file.path().to_path_buf();
         let mut files = half_written();

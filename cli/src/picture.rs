@@ -12,16 +12,16 @@ use voxdag::file::Scene;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
-use voxdag::normal::NormalKind;
-use voxdag::render::{Counters, Samples, Settings, View, render_rows};
+use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
-use voxdag::trace::{Arithmetic, TopBuf, Tracer};
+use voxdag::trace::Tracer;
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::{ArithmeticArg, MachineArgs, NormalsArg, PictureArgs};
+use crate::options::{MachineArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
+use crate::scene;
 
 /// A finished picture and what it took.
 pub struct Picture {
@@ -30,7 +30,7 @@ pub struct Picture {
     /// Per pixel.
     pub samples: u32,
     /// Row by row from the top left; red in the lowest byte.
-    pixels: Vec<u32>,
+    pub pixels: Vec<u32>,
     pub rays: Rays,
     /// Primary rays that hit a voxel.
     pub hits: u64,
@@ -61,33 +61,18 @@ pub struct Shown<'a> {
 /// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
 const BAND: usize = 4;
 
-/// Cells along an axis of the top grid, as a power of two: 32^3 of them take 1 MiB and are made in some 10 ms.
-const TOP_BITS: u8 = 5;
-
 /// Draws on the threads of the current pool.
 pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Picture> {
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
-    let needed = 8 * u64::from(width) * u64::from(height);
-    machine.afford(
-        needed,
-        &format!("a picture of {width}x{height}"),
-        "make --size smaller or --memory-limit larger",
-    )?;
-    let mut pixels = Vec::new();
-    pixels.try_reserve_exact(width as usize * height as usize).map_err(|_| {
-        Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))
-            .hint("make --size smaller")
-    })?;
-    pixels.resize(width as usize * height as usize, 0);
+    let mut pixels = room(args.size, 8, machine)?;
 
     let camera = camera(scene, args)?;
     let lights = lights(scene, &camera, args);
     let settings = settings(scene, args)?;
     // The grid pays for itself after some thousand rays.
     let start = Instant::now();
-    let top = TopBuf::new(&scene.dag, TOP_BITS)
-        .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))?;
+    let top = scene::top_grid(scene.dag)?;
     let tracer = Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag));
     // Chosen once, so that the rays run in code for one representation of materials.
     let band = |rows: Range<u32>, pixels: &mut [u32]| {
@@ -102,23 +87,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
         }
     };
 
-    let progress = Progress::stage("drawing", u64::from(height.div_ceil(BAND as u32)));
-    let counters = pixels
-        .par_chunks_mut(BAND * width as usize)
-        .enumerate()
-        .map(|(i, pixels)| {
-            let first = (i * BAND) as u32;
-            let counters = band(first..(first + BAND as u32).min(height), pixels);
-            progress.step();
-            counters
-        })
-        .try_reduce(Counters::default, |mut sum, more| {
-            sum += more;
-            Ok(sum)
-        })
-        .map_err(|error| Error::new(Kind::Failure, error))?;
-    drop(progress);
-
+    let counters = in_bands("drawing", args.size, &mut pixels, band)?;
     let highlights = !lights.is_empty() && scene.palette.iter().any(has_highlight);
     Ok(Picture {
         width,
@@ -132,8 +101,48 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     })
 }
 
+/// Room for a number per pixel; each pixel will need `bytes` in all.
+pub fn room<T: Copy + Default>([width, height]: [u32; 2], bytes: u64, machine: &MachineArgs) -> Result<Vec<T>> {
+    let needed = bytes * u64::from(width) * u64::from(height);
+    machine.afford(
+        needed,
+        &format!("a picture of {width}x{height}"),
+        "make --size smaller or --memory-limit larger",
+    )?;
+    let (pixels, mut room) = (width as usize * height as usize, Vec::new());
+    room.try_reserve_exact(pixels).map_err(|_| {
+        Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))
+            .hint("make --size smaller")
+    })?;
+    room.resize(pixels, T::default());
+    Ok(room)
+}
+
+/// Lets `band` fill rows of `out` on the threads of the current pool, and adds up what it counts.
+pub fn in_bands<T: Send>(
+    stage: &'static str,
+    [width, height]: [u32; 2],
+    out: &mut [T],
+    band: impl Fn(Range<u32>, &mut [T]) -> Result<Counters, RenderError> + Sync,
+) -> Result<Counters> {
+    let progress = Progress::stage(stage, u64::from(height.div_ceil(BAND as u32)));
+    out.par_chunks_mut(BAND * width as usize)
+        .enumerate()
+        .map(|(i, out)| {
+            let first = (i * BAND) as u32;
+            let counters = band(first..(first + BAND as u32).min(height), out);
+            progress.step();
+            counters
+        })
+        .try_reduce(Counters::default, |mut sum, more| {
+            sum += more;
+            Ok(sum)
+        })
+        .map_err(|error| Error::new(Kind::Failure, error))
+}
+
 /// The camera that the flags describe; what they leave out frames the mesh's box.
-fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
+pub fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
     let framing = Camera::framing(&scene.bounds, scene.up);
     let target = args.target.unwrap_or(framing.target);
     // The default eye keeps its distance and direction from wherever the target is.
@@ -152,26 +161,12 @@ fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> 
 }
 
 fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
-    if args.normals == NormalsArg::Stored && !scene.has_normals() {
-        return Err(Error::usage("--normals stored: the scene has no stored normals")
-            .hint("build it with --materials table-normals"));
-    }
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
         samples: args.samples.unwrap_or(Samples::Four),
-        normals: match args.normals {
-            NormalsArg::Face => NormalKind::Face,
-            NormalsArg::Stored => NormalKind::Stored,
-            NormalsArg::Gradient => NormalKind::Gradient,
-            NormalsArg::Plane1 => NormalKind::Plane1,
-            NormalsArg::Plane2 => NormalKind::Plane2,
-            NormalsArg::Plane3 => NormalKind::Plane3,
-        },
-        arithmetic: match args.arithmetic {
-            ArithmeticArg::Exact => Arithmetic::Exact,
-            ArithmeticArg::F64 => Arithmetic::F64,
-        },
+        normals: args.normals.kind(&scene.materials)?,
+        arithmetic: args.arithmetic.kind(),
         ambient: args.ambient,
         ..Settings::default()
     })
@@ -183,10 +178,6 @@ impl<'a> Shown<'a> {
         let Scene { grid, bounds, up, dag, materials, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
         Shown { grid, bounds, up, dag, materials, palette }
-    }
-
-    fn has_normals(&self) -> bool {
-        matches!(self.materials, AnyMaterials::Table(table) if table.has_normals())
     }
 }
 

@@ -15,6 +15,7 @@ use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingTable, SceneError};
 use voxdag::table::TableBuf;
+use voxdag::trace::TopBuf;
 use voxdag::voxelize::{Cover, VoxelizeError};
 use voxdag::{Dag, Material, Mesh};
 
@@ -305,6 +306,15 @@ pub fn open<'a>(path: &Path, words: &'a [u32]) -> Result<Scene<'a>> {
 /// Counts voxels and nodes.
 pub fn count(dag: Dag<'_>) -> Result<Stats> {
     dag.stats()
+        .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
+}
+
+/// Cells along an axis of the top grid, as a power of two: 32^3 of them take 1 MiB and are made in some 10 ms.
+const TOP_BITS: u8 = 5;
+
+/// The grid that makes rays faster; it pays for itself after some thousand of them.
+pub fn top_grid(dag: Dag<'_>) -> Result<TopBuf> {
+    TopBuf::new(&dag, TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 

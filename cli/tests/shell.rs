@@ -7,7 +7,7 @@ use common::Sandbox;
 fn help_names_every_command_flag_and_default() {
     let s = Sandbox::new();
     let all = s.ok("--help").stdout;
-    for command in ["demo", "build", "render", "info", "verify", "completions", "Exit codes"] {
+    for command in ["demo", "build", "render", "info", "verify", "cast", "export", "completions", "Exit codes"] {
         assert!(all.contains(command), "no `{command}` in\n{all}");
     }
     let build = s.ok("build --help").stdout;
@@ -24,8 +24,18 @@ fn help_names_every_command_flag_and_default() {
     {
         assert!(render.contains(word), "no `{word}` in\n{render}");
     }
+    for word in ["--show", "iterations", "--depth-out"] {
+        assert!(render.contains(word), "no `{word}` in\n{render}");
+    }
+    let (cast, export) = (s.ok("cast --help").stdout, s.ok("export --help").stdout);
+    for word in ["--rays", "--space", "world", "--arithmetic", "f32", "ox,oy,oz,dx,dy,dz", "face,material,nx,ny,nz"] {
+        assert!(cast.contains(word), "no `{word}` in\n{cast}");
+    }
+    for word in ["--to", "binvox", "xyz", "npy", "uint32"] {
+        assert!(export.contains(word), "no `{word}` in\n{export}");
+    }
     // Nothing runs off an ordinary terminal but one line of examples.
-    for help in [&all, &build, &render] {
+    for help in [&all, &build, &render, &cast, &export] {
         assert!(help.lines().all(|line| line.chars().count() <= 120), "{help}");
     }
 }
@@ -66,9 +76,16 @@ fn no_escape_codes_outside_a_terminal() {
 #[test]
 fn every_run_ends_with_the_next_command() {
     let s = Sandbox::new();
-    for line in
-        ["build box.obj -o box.vxd -r 20", "render box.vxd -o box.png --size 16x9", "info box.vxd", "verify box.vxd"]
-    {
+    s.write("rays.csv", "1,1,9,0,0,-1\n");
+    for line in [
+        "build box.obj -o box.vxd -r 20",
+        "render box.vxd -o box.png --size 16x9",
+        "render box.vxd -o box.png --size 16x9 --show depth",
+        "info box.vxd",
+        "verify box.vxd",
+        "cast box.vxd --rays rays.csv",
+        "export box.vxd --to xyz",
+    ] {
         let run = s.ok(line);
         let last = run.stderr.lines().last().unwrap_or_default();
         let program = last.strip_prefix("next: ").and_then(|command| command.split(' ').next());

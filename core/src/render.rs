@@ -9,7 +9,7 @@
 
 use core::ops::Range;
 
-use crate::camera::{Camera, CameraError};
+use crate::camera::{Camera, CameraError, Rays};
 use crate::color::{self, Mean};
 use crate::grid::Grid;
 use crate::material::Material;
@@ -198,14 +198,35 @@ impl core::fmt::Display for RenderError {
 
 impl core::error::Error for RenderError {}
 
-/// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
-pub fn render_rows<M: Materials>(
-    view: &View<'_, M>,
-    settings: &Settings,
+/// A pixel, as the rays that pass through it.
+#[derive(Clone, Copy, Debug)]
+pub struct Pixel<'a> {
+    rays: &'a Rays,
+    /// The camera's eye in grid coordinates.
+    eye: [f64; 3],
+    corner: [f64; 2],
+}
+
+impl Pixel<'_> {
+    /// The ray in grid coordinates, its direction not of unit length, through `place` (x and y from the pixel's upper
+    /// left corner, 0 to 1; see [`Samples::position`]).
+    #[inline]
+    pub fn query(&self, place: [f64; 2]) -> Query {
+        Query::new(self.eye, self.rays.direction(self.corner[0] + place[0], self.corner[1] + place[1]))
+    }
+}
+
+/// Fills `out`, row by row, with what `look` makes of each pixel in `rows` (row 0 is the top) of a picture of
+/// `[width, height]` pixels: for pictures that a program shades itself.
+#[inline]
+pub fn each_pixel<T>(
+    camera: &Camera,
+    grid: &Grid,
+    [width, height]: [u32; 2],
     rows: Range<u32>,
-    out: &mut [u32],
-) -> Result<Counters, RenderError> {
-    let &Settings { width, height, .. } = settings;
+    out: &mut [T],
+    mut look: impl FnMut(&Pixel<'_>) -> T,
+) -> Result<(), RenderError> {
     if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
         return Err(RenderError::Size { width, height });
     }
@@ -216,30 +237,41 @@ pub fn render_rows<M: Materials>(
     if out.len() as u64 != expected {
         return Err(RenderError::Output { expected, found: out.len() as u64 });
     }
-    let rays = view.camera.rays(width, height).map_err(RenderError::Camera)?;
-    let eye = view.grid.to_grid(view.camera.eye);
-    let background = settings.background.map(color::quantize);
-
-    let mut counters = Counters::default();
+    let rays = camera.rays(width, height).map_err(RenderError::Camera)?;
+    let eye = grid.to_grid(camera.eye);
     for (y, row) in rows.zip(out.chunks_exact_mut(width as usize)) {
         for (x, pixel) in row.iter_mut().enumerate() {
-            let mut mean = Mean::default();
-            for i in 0..settings.samples.count() {
-                let [dx, dy] = settings.samples.position(i);
-                let query = Query::new(eye, rays.direction(x as f64 + dx, f64::from(y) + dy));
-                counters.primary += 1;
-                mean.add(match view.tracer.trace(settings.arithmetic, &query) {
-                    Some(hit) => {
-                        counters.hits += 1;
-                        surface_color(view, settings, &query, &hit).map(color::quantize)
-                    }
-                    None => background,
-                });
-            }
-            let [red, green, blue] = mean.srgb8();
-            *pixel = u32::from_le_bytes([red, green, blue, 255]);
+            *pixel = look(&Pixel { rays: &rays, eye, corner: [x as f64, f64::from(y)] });
         }
     }
+    Ok(())
+}
+
+/// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
+pub fn render_rows<M: Materials>(
+    view: &View<'_, M>,
+    settings: &Settings,
+    rows: Range<u32>,
+    out: &mut [u32],
+) -> Result<Counters, RenderError> {
+    let background = settings.background.map(color::quantize);
+    let mut counters = Counters::default();
+    each_pixel(&view.camera, &view.grid, [settings.width, settings.height], rows, out, |pixel| {
+        let mut mean = Mean::default();
+        for i in 0..settings.samples.count() {
+            let query = pixel.query(settings.samples.position(i));
+            counters.primary += 1;
+            mean.add(match view.tracer.trace(settings.arithmetic, &query) {
+                Some(hit) => {
+                    counters.hits += 1;
+                    surface_color(view, settings, &query, &hit).map(color::quantize)
+                }
+                None => background,
+            });
+        }
+        let [red, green, blue] = mean.srgb8();
+        u32::from_le_bytes([red, green, blue, 255])
+    })?;
     Ok(counters)
 }
 

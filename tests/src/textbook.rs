@@ -70,14 +70,39 @@ pub fn schwarz_seidel(triangle: [V<f32>; 3], corner: V<f32>, size: V<f32>) -> bo
     true
 }
 
+/// What [`dda_f32_hit`] meets.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct DdaHit {
+    /// The voxel.
+    pub voxel: [u32; 3],
+    /// Time of entry, as it was accumulated.
+    pub t: f32,
+    /// The axis whose plane was crossed last; `None` if the ray starts in the voxel.
+    pub axis: Option<usize>,
+}
+
 /// The first filled voxel of the cube of side 2^`depth` by a DDA that accumulates t in f32 (Amanatides and Woo 1987);
 /// `None` also after 3 * 2^`depth` steps.
 pub fn dda_f32(origin: V<f32>, dir: V<f32>, depth: u8, filled: impl Fn([u32; 3]) -> bool) -> Option<[u32; 3]> {
+    dda_f32_hit(origin, dir, 0.0, depth, filled).map(|hit| hit.voxel)
+}
+
+/// [`dda_f32`] from time `t_min` on, with the time and the axis of entry.
+pub fn dda_f32_hit(
+    origin: V<f32>,
+    dir: V<f32>,
+    t_min: f32,
+    depth: u8,
+    filled: impl Fn([u32; 3]) -> bool,
+) -> Option<DdaHit> {
     let side = (1u32 << depth) as f32;
-    let (mut enter, mut leave) = (0.0f32, f32::INFINITY);
+    let (mut enter, mut leave) = (t_min, f32::INFINITY);
+    let mut entered = None;
     for i in 0..3 {
         let (a, b) = ((0.0 - origin[i]) / dir[i], (side - origin[i]) / dir[i]);
-        enter = enter.max(a.min(b));
+        if a.min(b) > enter {
+            (enter, entered) = (a.min(b), Some(i));
+        }
         leave = leave.min(a.max(b));
     }
     if enter > leave {
@@ -90,15 +115,17 @@ pub fn dda_f32(origin: V<f32>, dir: V<f32>, depth: u8, filled: impl Fn([u32; 3])
         let plane = if dir[i] > 0.0 { voxel[i] + 1 } else { voxel[i] };
         if dir[i] == 0.0 { f32::INFINITY } else { (plane as f32 - origin[i]) / dir[i] }
     });
+    let mut hit = DdaHit { voxel: [0; 3], t: enter, axis: entered };
     for _ in 0..3u64 << depth {
         if voxel.iter().any(|&k| !(0..1 << depth).contains(&k)) {
             return None;
         }
-        let here = voxel.map(|k| k as u32);
-        if filled(here) {
-            return Some(here);
+        hit.voxel = voxel.map(|k| k as u32);
+        if filled(hit.voxel) {
+            return Some(hit);
         }
         let axis = if next[0] < next[1] && next[0] < next[2] { 0 } else { 1 + usize::from(next[2] <= next[1]) };
+        (hit.t, hit.axis) = (next[axis], Some(axis));
         voxel[axis] += if dir[axis] > 0.0 { 1 } else { -1 };
         next[axis] += delta[axis];
     }

@@ -1,8 +1,10 @@
 //! The subcommands, one file each: its flags, its run, its report.
 
 pub mod build;
+pub mod cast;
 pub mod completions;
 pub mod demo;
+pub mod export;
 pub mod info;
 pub mod render;
 pub mod verify;

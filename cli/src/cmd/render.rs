@@ -6,12 +6,14 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
+use crate::formats;
 use crate::input::{self, Content};
 use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
 use crate::output::Output;
 use crate::picture::{self, Picture, Rays, Shown};
-use crate::report::{self, Lines, grouped, shell_word, time};
+use crate::report::{self, Lines, grouped, number, shell_word, time};
 use crate::scene;
+use crate::show::{self, Show, Spread};
 use crate::stats::{self, ms};
 
 /// Draw a mesh or a voxel scene
@@ -29,6 +31,14 @@ pub struct Args {
     /// The picture to write
     #[arg(short, long, value_name = "IMG.png")]
     output: PathBuf,
+
+    /// What the picture shows; all but shaded take one ray per pixel
+    #[arg(long, value_enum, value_name = "WHAT", default_value_t)]
+    show: Show,
+
+    /// Also write the distance along the ray through each pixel's middle: PFM, world units, inf for nothing
+    #[arg(long, value_name = "F.pfm")]
+    depth_out: Option<PathBuf>,
 
     #[command(flatten)]
     report: ReportArgs,
@@ -55,6 +65,10 @@ struct Report<'a> {
     ms: Ms,
     /// What the scene called for.
     effects: &'a [&'static str],
+    /// The numbers behind the colours of `--show depth`, `level` and `iterations`.
+    shown: Option<Spread>,
+    #[serde(skip)]
+    show: Show,
     peak_rss_bytes: Option<u64>,
     threads: usize,
 }
@@ -72,27 +86,33 @@ pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     args.build.check()?;
     let output = Output::create(&args.output, "png")?;
-    output.must_not_replace(std::slice::from_ref(&args.input))?;
+    let depth_output = args.depth_out.as_deref().map(|path| Output::create(path, "pfm")).transpose()?;
+    let outputs = || std::iter::once(&output).chain(&depth_output);
+    outputs().try_for_each(|output| output.must_not_replace(std::slice::from_ref(&args.input)))?;
     let pool = args.machine.pool()?;
 
-    let (picture, grid, is_scene) = match input::read(&args.input, &args.machine)? {
+    let (drawn, grid, is_scene) = match input::read(&args.input, &args.machine)? {
         Content::Scene(words) => {
             if let Some(flag) = args.build.given() {
                 return Err(Error::usage(format_args!("{flag}: {} is built already", args.input.display()))
                     .hint("leave the flag away, or name the mesh instead of the scene"));
             }
             let scene = scene::open(&args.input, &words)?;
-            (pool.install(|| picture::draw(&Shown::of(&scene), &args.picture, &args.machine))?, scene.grid, true)
+            (pool.install(|| draw(&Shown::of(&scene), args))?, scene.grid, true)
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text)?;
-            output.must_not_replace(&source.files)?;
+            outputs().try_for_each(|output| output.must_not_replace(&source.files))?;
             let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
             drop(source);
-            (pool.install(|| picture::draw(&built.shown(), &args.picture, &args.machine))?, built.grid, false)
+            (pool.install(|| draw(&built.shown(), args))?, built.grid, false)
         }
     };
+    let Drawn { picture, shown, depths } = drawn;
     output.finish(|file| picture.write_png(file))?;
+    if let (Some(output), Some(depths)) = (depth_output, depths) {
+        output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
+    }
 
     let Picture { width, height, rays, hits, ref effects, trace, .. } = picture;
     let report = Report {
@@ -104,6 +124,8 @@ pub fn run(args: &Args) -> Result<()> {
         hits,
         ms: Ms { trace: ms(trace), total: ms(start.elapsed()) },
         effects,
+        shown,
+        show: args.show,
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
     };
@@ -112,7 +134,7 @@ pub fn run(args: &Args) -> Result<()> {
     if !is_scene {
         let scene = shell_word(&args.output.with_extension("vxd"));
         report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
-    } else if args.picture.samples.is_none() {
+    } else if args.picture.samples.is_none() && args.show == Show::Shaded {
         report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
@@ -120,16 +142,44 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// A picture, and what else was asked for.
+struct Drawn {
+    picture: Picture,
+    shown: Option<Spread>,
+    depths: Option<Vec<f32>>,
+}
+
+/// Draws what the flags ask for.
+fn draw(scene: &Shown<'_>, args: &Args) -> Result<Drawn> {
+    let (picture, shown) = match args.show {
+        Show::Shaded => (picture::draw(scene, &args.picture, &args.machine)?, None),
+        show => show::draw(scene, &args.picture, show, &args.machine)?,
+    };
+    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, &args.machine)).transpose()?;
+    Ok(Drawn { picture, shown, depths })
+}
+
 /// The report for people.
 fn lines(report: &Report<'_>) -> Lines {
     let mut lines = Lines::default();
+    let effects = if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") };
     let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
     lines
         .row("picture", format!("{}x{}, {} samples per pixel", report.width, report.height, report.samples))
         .row("resolution", format!("{} voxels along the longest axis", grouped(report.resolution.into())))
         .row("rays", report.rays.text())
         .row("hits", format!("{} ({share:.1} %)", grouped(report.hits)))
-        .row("effects", if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") })
+        .row("effects", effects);
+    if let Some(Spread { min, mean, max }) = report.shown {
+        let (label, colours) = match report.show {
+            Show::Iterations => ("iterations", "black is 0, red, yellow, white the most"),
+            Show::Level => ("level", "nearly black is 0, red, yellow, white the whole cube"),
+            _ => ("depth", "white is the nearest, dark grey the farthest, black nothing"),
+        };
+        let [min, mean, max] = [min, mean, max].map(|x| number(f64::from(x as f32)));
+        lines.row(label, format!("{min} to {max}, mean {mean}: {colours}"));
+    }
+    lines
         .row("time", format!("{}: trace {}", time(report.ms.total), time(report.ms.trace)))
         .row("memory", report::peak(report.peak_rss_bytes))
         .row("threads", report.threads.to_string());

@@ -36,6 +36,9 @@ Ks 0.5 0.5 0.5
 Ns 20
 ";
 
+/// Of 4 voxels a side of 0.5, away from the world's origin.
+pub const GRID: voxdag::Grid = voxdag::Grid { origin: [10.0, 20.0, 30.0], voxel_size: 0.5, resolution: 4 };
+
 /// A folder that disappears with the test.
 pub struct Sandbox(tempfile::TempDir);
 
@@ -66,6 +69,36 @@ impl Sandbox {
         let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
+    }
+
+    /// Writes a scene of some voxels and the materials `grey`, `red, dark` and `blue` that they have.
+    pub fn scene(&self, name: &str, grid: voxdag::Grid, voxels: &[([u32; 3], u16)]) {
+        use voxdag::materials::AnyMaterials;
+        use voxdag::table::{Entry, TableBuf};
+        let mut sorted: Vec<_> = voxels.iter().map(|&(v, id)| (voxdag::Morton::encode(v).unwrap(), id)).collect();
+        sorted.sort();
+        let mut builder = voxdag::build::DagBuilder::new(grid.depth()).unwrap();
+        for brick in sorted.chunk_by(|a, b| a.0.0 >> 6 == b.0.0 >> 6) {
+            let mask = brick.iter().map(|(v, _)| 1 << (v.0 & 63)).sum();
+            builder.push(voxdag::Morton(brick[0].0.0 & !63), mask).unwrap();
+        }
+        let dag = builder.finish().unwrap();
+        let mut table = TableBuf::new(sorted.len() as u64, false).unwrap();
+        let entries = sorted.iter().map(|&(v, material)| (v, Entry { material, normal: None }));
+        table.insert_all(entries).unwrap();
+        let corner = |k: u32| std::array::from_fn(|i| grid.origin[i] + f64::from(k) * grid.voxel_size);
+        let parts = voxdag::file::Parts {
+            grid,
+            bounds: voxdag::grid::Bounds { min: corner(0), max: corner(grid.resolution) },
+            up: Default::default(),
+            metres_per_unit: 0.0,
+            dag: dag.dag(),
+            voxel_materials: AnyMaterials::Table(table.as_table()),
+            materials: &[voxdag::Material::GREY; 3],
+            names: &["grey", "red, dark", "blue"],
+        };
+        let words = parts.to_vec().unwrap();
+        self.write(name, words.iter().flat_map(|w| w.to_le_bytes()).collect::<Vec<_>>());
     }
 
     pub fn command(&self, line: &str) -> Command {

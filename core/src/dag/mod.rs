@@ -275,6 +275,29 @@ impl<'a> Dag<'a> {
         self.brick_at(word)
     }
 
+    /// Level of the largest empty cube of the octree around `voxel`: its side is 2^level voxels. `None` if the voxel is
+    /// filled or outside the cube.
+    pub fn empty_level(&self, voxel: Morton) -> Option<u8> {
+        if voxel.0 >> (3 * u32::from(self.depth)) != 0 {
+            return None;
+        }
+        if self.is_empty() {
+            return Some(self.depth);
+        }
+        let mut word = self.root();
+        for level in (BRICK_LEVEL..self.depth).rev() {
+            match self.child(word, u32::from(voxel.octant(level))) {
+                Some(child) => word = child,
+                None => return Some(level),
+            }
+        }
+        let brick = self.brick_at(word);
+        if brick >> (voxel.0 & 63) & 1 != 0 {
+            return None;
+        }
+        Some(u8::from(self.depth > 0 && brick >> (voxel.0 & 56) & 0xff == 0))
+    }
+
     /// Whether a voxel is filled; voxels outside the cube are not.
     #[inline]
     pub fn contains(&self, voxel: Morton) -> bool {

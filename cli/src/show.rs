@@ -1,0 +1,214 @@
+//! Pictures of what a renderer sees instead of what it draws: one ray through the middle of each pixel, one number or
+//! colour of each ray. Colours are those of the file, no light; black is a ray that met nothing.
+
+use std::ops::RangeInclusive;
+use std::time::Instant;
+
+use clap::ValueEnum;
+use serde::Serialize;
+use voxdag::material::MaterialId;
+use voxdag::materials::Materials;
+use voxdag::math;
+use voxdag::normal;
+use voxdag::render::{Counters, each_pixel};
+use voxdag::trace::{Face, Hit, Query, Tracer};
+
+use crate::error::{Error, Result};
+use crate::options::{MachineArgs, PictureArgs};
+use crate::picture::{self, Picture, Rays, Shown};
+use crate::scene;
+
+/// What a picture shows.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Show {
+    /// The scene in its light
+    #[default]
+    Shaded,
+    /// The surface's direction: red, green, blue are half of x, y, z plus a half
+    Normals,
+    /// Distance from the eye: white is the nearest, dark grey the farthest
+    Depth,
+    /// The empty octree cube before the hit: the brighter, the larger
+    Level,
+    /// Rounds of the walk of each ray, hit or not: black, red, yellow, white
+    Iterations,
+    /// A colour per material
+    Material,
+}
+
+/// The numbers behind a picture's colours.
+#[derive(Clone, Copy, Serialize)]
+pub struct Spread {
+    pub min: f64,
+    pub mean: f64,
+    pub max: f64,
+}
+
+/// Draws anything but [`Show::Shaded`] on the threads of the current pool; the numbers, where there are some.
+pub fn draw(
+    shown: &Shown<'_>,
+    args: &PictureArgs,
+    show: Show,
+    machine: &MachineArgs,
+) -> Result<(Picture, Option<Spread>)> {
+    if args.samples.is_some() {
+        return Err(Error::usage("--samples: a picture that is not shaded has one ray per pixel")
+            .hint("leave --samples or --show away"));
+    }
+    let start = Instant::now();
+    let (dag, normals) = (shown.dag, args.normals.kind(&shown.materials)?);
+    // Pixels, the encoder's bytes, and the numbers.
+    let mut pixels = picture::room(args.size, 12, machine)?;
+    let mut values = Vec::new();
+    let counters = match show {
+        Show::Normals => look(shown, args, &mut pixels, |query, hit, _| match hit {
+            Some(hit) => {
+                rgba(normal::normal(dag, shown.materials, hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
+            }
+            None => BLACK,
+        })?,
+        Show::Material => look(shown, args, &mut pixels, |_, hit, _| {
+            hit.map_or(BLACK, |hit| material_colour(shown.materials.id(dag, hit.voxel)))
+        })?,
+        _ => {
+            values = picture::room(args.size, 12, machine)?;
+            look(shown, args, &mut values, |query, hit, rounds| match show {
+                Show::Level => hit.map_or(f32::INFINITY, |hit| level(shown, hit).into()),
+                Show::Iterations => rounds as f32,
+                _ => distance(shown, query, hit),
+            })?
+        }
+    };
+
+    // Numbers become colours when all of them are known.
+    let spread = Spread::of(&values);
+    if let Some(spread) = spread {
+        let colour: &dyn Fn(f32) -> [f32; 3] = match show {
+            Show::Level => &|level| heat(part(level, 0.0..=f32::from(dag.depth()))),
+            Show::Iterations => &|rounds| heat(part(rounds, 0.0..=spread.max as f32)),
+            _ => &|depth| [1.0 - 0.85 * part(depth, spread.min as f32..=spread.max as f32); 3],
+        };
+        for (pixel, &value) in pixels.iter_mut().zip(&values) {
+            *pixel = if value.is_finite() { rgba(colour(value)) } else { BLACK };
+        }
+    }
+    let [width, height] = args.size;
+    let rays = Rays { primary: counters.primary, shadow: 0, secondary: 0 };
+    let (hits, trace) = (counters.hits, start.elapsed());
+    Ok((Picture { width, height, samples: 1, pixels, rays, hits, effects: Vec::new(), trace }, spread))
+}
+
+/// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is
+/// nothing.
+pub fn depths(shown: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Vec<f32>> {
+    // The picture is there as well.
+    let mut depths = picture::room(args.size, 12, machine)?;
+    look(shown, args, &mut depths, |query, hit, _| distance(shown, query, hit))?;
+    Ok(depths)
+}
+
+/// Fills `out` with what `see` makes of each pixel's ray, its hit and the rounds of its walk.
+fn look<T: Send>(
+    shown: &Shown<'_>,
+    args: &PictureArgs,
+    out: &mut [T],
+    see: impl Fn(&Query, Option<&Hit>, u32) -> T + Sync,
+) -> Result<Counters> {
+    let camera = picture::camera(shown, args)?;
+    let arithmetic = args.arithmetic.kind();
+    let top = scene::top_grid(shown.dag)?;
+    let tracer = Tracer::with_top(shown.dag, top.as_top()).unwrap_or(Tracer::new(shown.dag));
+    picture::in_bands("drawing", args.size, out, |rows, out| {
+        let mut counters = Counters::default();
+        each_pixel(&camera, &shown.grid, args.size, rows, out, |pixel| {
+            let query = pixel.query([0.5; 2]);
+            let (hit, rounds) = tracer.trace_counted(arithmetic, &query);
+            counters.primary += 1;
+            counters.hits += u64::from(hit.is_some());
+            see(&query, hit.as_ref(), rounds)
+        })?;
+        Ok(counters)
+    })
+}
+
+/// Along the ray, in world units.
+fn distance(shown: &Shown<'_>, query: &Query, hit: Option<&Hit>) -> f32 {
+    let unit = math::sqrt(math::dot(query.dir, query.dir)) * shown.grid.voxel_size;
+    hit.map_or(f32::INFINITY, |hit| (hit.t * unit) as f32)
+}
+
+/// Level of the largest empty octree cube around the voxel before the hit; the root's where the ray comes from outside,
+/// and 0 for an eye inside a voxel.
+fn level(shown: &Shown<'_>, hit: &Hit) -> u8 {
+    match hit.from {
+        Some(voxel) => shown.dag.empty_level(voxel).unwrap_or(0),
+        None if hit.face == Face::Inside => 0,
+        None => shown.dag.depth(),
+    }
+}
+
+impl Spread {
+    /// Of the finite ones among some values; `None` if there are none.
+    fn of(values: &[f32]) -> Option<Spread> {
+        let (mut spread, mut count) = (Spread { min: f64::INFINITY, mean: 0.0, max: f64::NEG_INFINITY }, 0u64);
+        for value in values.iter().filter(|value| value.is_finite()).map(|&value| f64::from(value)) {
+            spread.min = spread.min.min(value);
+            spread.max = spread.max.max(value);
+            spread.mean += value;
+            count += 1;
+        }
+        spread.mean /= count as f64;
+        (count > 0).then_some(spread)
+    }
+}
+
+const BLACK: u32 = 0xff00_0000;
+
+fn rgba(colour: [f32; 3]) -> u32 {
+    let [red, green, blue] = colour.map(|x| (x.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
+    u32::from_le_bytes([red, green, blue, 255])
+}
+
+/// Where a value lies in a range, 0 to 1.
+fn part(value: f32, range: RangeInclusive<f32>) -> f32 {
+    let (from, to) = range.into_inner();
+    if to > from { (value - from) / (to - from) } else { 0.0 }
+}
+
+/// Nearly black, red, yellow, white.
+fn heat(part: f32) -> [f32; 3] {
+    let x = 0.3 + 2.7 * part;
+    [x, x - 1.0, x - 2.0].map(|channel| channel.clamp(0.0, 1.0))
+}
+
+/// The colour map of the PASCAL VOC segmentation data: the bits of the number, lowest first, go to the highest bits of
+/// red, green and blue in turn. So no two materials look the same. Its entry 0 is black, so materials start at 1.
+fn material_colour(id: MaterialId) -> u32 {
+    let number = u32::from(id) + 1;
+    let mut colour = [0u8; 3];
+    for bit in 0..17 {
+        colour[bit % 3] |= (number >> bit & 1) as u8 * (0x80 >> (bit / 3));
+    }
+    u32::from_le_bytes([colour[0], colour[1], colour[2], 255])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_material_has_a_colour_of_its_own() {
+        let colours: std::collections::BTreeSet<_> = (0..=MaterialId::MAX).map(material_colour).collect();
+        assert_eq!(colours.len(), 1 << 16);
+        assert!(!colours.contains(&BLACK));
+        assert_eq!(material_colour(0).to_le_bytes(), [128, 0, 0, 255]);
+        assert_eq!(material_colour(2).to_le_bytes(), [128, 128, 0, 255]);
+    }
+
+    #[test]
+    fn heat_grows_brighter() {
+        let brightness = |x: f32| heat(x).iter().sum::<f32>();
+        assert!((1..=100).all(|i| brightness(i as f32 / 100.0) > brightness((i - 1) as f32 / 100.0)));
+        assert_eq!(rgba(heat(1.0)), 0xffff_ffff);
+    }
+}
