@@ -1,12 +1,13 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `scene` and `picture` (the core's stages on all cores), `progress`, `report`, `stats` and `error`. No algorithm of the
+//! `scene` and `picture` (the core's stages on all cores), `progress`, `report`, `stats`, `measure` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
 mod error;
 mod input;
+mod measure;
 mod options;
 mod ordered;
 mod output;
@@ -43,6 +44,7 @@ enum Command {
     Render(cmd::render::Args),
     Info(cmd::info::Args),
     Verify(cmd::verify::Args),
+    Bench(cmd::bench::Args),
     Completions(cmd::completions::Args),
 }
 
@@ -55,6 +57,7 @@ fn main() {
         Command::Render(args) => cmd::render::run(&args),
         Command::Info(args) => cmd::info::run(&args),
         Command::Verify(args) => cmd::verify::run(&args),
+        Command::Bench(args) => cmd::bench::run(&args),
         Command::Completions(args) => cmd::completions::run(&args),
     };
     if let Err(error) = result {

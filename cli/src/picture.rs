@@ -20,7 +20,7 @@ use voxdag::trace::Arithmetic;
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::{ArithmeticArg, MachineArgs, NormalsArg, PictureArgs};
+use crate::options::{ArithmeticArg, CameraArgs, MachineArgs, NormalsArg, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 
@@ -79,7 +79,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     })?;
     pixels.resize(width as usize * height as usize, 0);
 
-    let camera = camera(scene, args)?;
+    let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
     let settings = settings(scene, args)?;
     // Chosen once, so that the rays run in code for one representation of materials.
@@ -127,7 +127,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
 }
 
 /// The camera that the flags describe; what they leave out frames the mesh's box.
-fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
+pub fn camera(scene: &Shown<'_>, args: &CameraArgs) -> Result<Camera> {
     let framing = Camera::framing(&scene.bounds, scene.up);
     let target = args.target.unwrap_or(framing.target);
     // The default eye keeps its distance and direction from wherever the target is.
@@ -179,7 +179,8 @@ impl<'a> Shown<'a> {
         Shown { grid, bounds, up, dag, materials, palette }
     }
 
-    fn has_normals(&self) -> bool {
+    /// Whether voxels have normals of their own.
+    pub fn has_normals(&self) -> bool {
         matches!(self.materials, AnyMaterials::Table(table) if table.has_normals())
     }
 }
