@@ -2,12 +2,12 @@
 
 use voxdag::camera::{Camera, CameraError};
 use voxdag::color::{Mean, WHITE, linear_to_srgb8, quantize, srgb_to_linear};
-use voxdag::grid::Bounds;
-use voxdag::grid::UpAxis;
+use voxdag::grid::{Bounds, UpAxis};
 use voxdag::materials::Single;
 use voxdag::normal::NormalKind;
 use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, Surface, power, shade};
+use voxdag::trace::Tracer;
 use voxdag::{Dag, Grid, Material};
 use voxdag_oracle::octree::VoxelSet;
 use voxdag_oracle::rng::Rng;
@@ -242,7 +242,8 @@ fn picture(
     settings: &Settings,
 ) -> (Vec<u32>, Counters) {
     let dag = Dag::new(words).unwrap();
-    let view = View { dag, materials: Single(0), palette: &[material], grid: GRID, camera, lights };
+    let view =
+        View { tracer: Tracer::new(dag), materials: Single(0), palette: &[material], grid: GRID, camera, lights };
     let mut out = vec![0; (settings.width * settings.height) as usize];
     let counters = render_rows(&view, settings, 0..settings.height, &mut out).unwrap();
     (out, counters)
@@ -271,7 +272,14 @@ fn a_pixel_depends_on_its_place_only() {
     let camera = Camera::framing(&bounds(), UpAxis::Y);
     let lights = [camera.headlight(bounds().radius())];
     let dag = Dag::new(&words).unwrap();
-    let view = View { dag, materials: Single(0), palette: &[shiny(20)], grid: GRID, camera, lights: &lights };
+    let view = View {
+        tracer: Tracer::new(dag),
+        materials: Single(0),
+        palette: &[shiny(20)],
+        grid: GRID,
+        camera,
+        lights: &lights,
+    };
     for samples in [1, 4, 5, 16] {
         let settings = Settings { samples: Samples::new(samples).unwrap(), ..settings(40, 30) };
         let mut whole = vec![0; 1200];
@@ -311,7 +319,7 @@ fn ids_beyond_the_palette_are_grey() {
     let camera = Camera::framing(&bounds(), UpAxis::Y);
     let dag = Dag::new(&words).unwrap();
     let render = |palette: &[Material]| {
-        let view = View { dag, materials: Single(3), palette, grid: GRID, camera, lights: &[] };
+        let view = View { tracer: Tracer::new(dag), materials: Single(3), palette, grid: GRID, camera, lights: &[] };
         let mut out = [0; 300];
         render_rows(&view, &settings(20, 15), 0..15, &mut out).unwrap();
         out
@@ -341,7 +349,8 @@ fn nonsense_is_refused() {
     let good = Camera::framing(&bounds(), UpAxis::Y);
     let dag = Dag::new(&words).unwrap();
     let render = |settings: &Settings, camera, rows, room: usize| {
-        let view = View { dag, materials: Single(0), palette: &[], grid: GRID, camera, lights: &[] };
+        let view =
+            View { tracer: Tracer::new(dag), materials: Single(0), palette: &[], grid: GRID, camera, lights: &[] };
         render_rows(&view, settings, rows, &mut vec![7; room])
     };
     let s = settings(4, 3);

@@ -9,14 +9,13 @@ use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
 use voxdag::file::Scene;
-use voxdag::grid::Bounds;
-use voxdag::grid::UpAxis;
+use voxdag::grid::{Bounds, UpAxis};
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::normal::NormalKind;
 use voxdag::render::{Counters, Samples, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
-use voxdag::trace::Arithmetic;
+use voxdag::trace::{Arithmetic, TopBuf, Tracer};
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
@@ -62,6 +61,9 @@ pub struct Shown<'a> {
 /// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
 const BAND: usize = 4;
 
+/// Cells along an axis of the top grid, as a power of two: 32^3 of them take 1 MiB and are made in some 10 ms.
+const TOP_BITS: u8 = 5;
+
 /// Draws on the threads of the current pool.
 pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Picture> {
     let [width, height] = args.size;
@@ -82,20 +84,24 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
     let settings = settings(scene, args)?;
+    // The grid pays for itself after some thousand rays.
+    let start = Instant::now();
+    let top = TopBuf::new(&scene.dag, TOP_BITS)
+        .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))?;
+    let tracer = Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag));
     // Chosen once, so that the rays run in code for one representation of materials.
     let band = |rows: Range<u32>, pixels: &mut [u32]| {
-        let (dag, palette, grid, lights) = (scene.dag, &scene.palette[..], scene.grid, &lights[..]);
+        let (palette, grid, lights) = (&scene.palette[..], scene.grid, &lights[..]);
         match scene.materials {
             AnyMaterials::Single(materials) => {
-                render_rows(&View { dag, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
             }
             AnyMaterials::Table(materials) => {
-                render_rows(&View { dag, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
             }
         }
     };
 
-    let start = Instant::now();
     let progress = Progress::stage("drawing", u64::from(height.div_ceil(BAND as u32)));
     let counters = pixels
         .par_chunks_mut(BAND * width as usize)

@@ -11,14 +11,13 @@ use core::ops::Range;
 
 use crate::camera::{Camera, CameraError};
 use crate::color::{self, Mean};
-use crate::dag::Dag;
 use crate::grid::Grid;
 use crate::material::Material;
 use crate::materials::Materials;
 use crate::math;
 use crate::normal::{self, NormalKind};
 use crate::shade::{self, Light, Surface};
-use crate::trace::{Arithmetic, Hit, Query};
+use crate::trace::{Arithmetic, Hit, Query, Tracer};
 
 /// Largest width and height of a picture.
 pub const MAX_SIDE: u32 = 65_536;
@@ -114,8 +113,8 @@ impl Default for Settings {
 /// What is looked at, and from where.
 #[derive(Clone, Copy, Debug)]
 pub struct View<'a, M> {
-    /// The voxels.
-    pub dag: Dag<'a>,
+    /// The voxels, and what rays through them are answered by.
+    pub tracer: Tracer<'a>,
     /// Which material each voxel has.
     pub materials: M,
     /// The materials by id; an id beyond them is drawn in [`Material::GREY`].
@@ -229,7 +228,7 @@ pub fn render_rows<M: Materials>(
                 let [dx, dy] = settings.samples.position(i);
                 let query = Query::new(eye, rays.direction(x as f64 + dx, f64::from(y) + dy));
                 counters.primary += 1;
-                mean.add(match view.dag.trace_with(settings.arithmetic, &query) {
+                mean.add(match view.tracer.trace(settings.arithmetic, &query) {
                     Some(hit) => {
                         counters.hits += 1;
                         surface_color(view, settings, &query, &hit).map(color::quantize)
@@ -246,9 +245,10 @@ pub fn render_rows<M: Materials>(
 
 /// What the surface at a hit sends back along the ray: linear red, green, blue.
 fn surface_color<M: Materials>(view: &View<'_, M>, settings: &Settings, query: &Query, hit: &Hit) -> [f32; 3] {
-    let id = view.materials.id(view.dag, hit.voxel);
+    let dag = view.tracer.dag();
+    let id = view.materials.id(dag, hit.voxel);
     let material = view.palette.get(usize::from(id)).unwrap_or(&Material::GREY);
-    let normal = normal::normal(view.dag, view.materials, hit, query.dir, settings.normals);
+    let normal = normal::normal(dag, view.materials, hit, query.dir, settings.normals);
     let back = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]);
     let surface = Surface {
         point: view.grid.to_world(math::add_scaled(query.origin, query.dir, hit.t)),

@@ -19,6 +19,7 @@ mod count;
 mod voxels;
 
 pub use count::{LevelStats, Stats};
+pub(crate) use voxels::Nodes;
 pub use voxels::{Bricks, Voxels};
 
 use crate::morton::{BITS, Morton};

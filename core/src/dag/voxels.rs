@@ -3,34 +3,36 @@
 use super::{BRICK_LEVEL, Dag};
 use crate::morton::Morton;
 
-/// Iterator over the bricks that hold a voxel: the code of their first voxel, and their mask. See [`Dag::bricks`].
+/// Iterator over the nodes of one level, in Morton order: the code of their first voxel, and their word offset.
 #[derive(Clone, Debug)]
-pub struct Bricks<'a> {
+pub(crate) struct Nodes<'a> {
     dag: Dag<'a>,
-    /// Per level above the bricks: the open node and its octants that are still to come.
-    open: [(u32, u8); 22],
+    bottom: u8,
+    /// Per level above `bottom`: the open node and its octants that are still to come.
+    open: [(u32, u8); 23],
     level: u8,
     code: u64,
 }
 
-impl<'a> Bricks<'a> {
-    pub(super) fn new(dag: Dag<'a>) -> Self {
-        let level = dag.depth().max(BRICK_LEVEL);
-        let mut open = [(0, 0); 22];
+impl<'a> Nodes<'a> {
+    /// The nodes of level `bottom`, from the bricks (2) to the root.
+    pub(crate) fn new(dag: Dag<'a>, bottom: u8) -> Self {
+        let top = dag.depth().max(BRICK_LEVEL);
+        let mut open = [(0, 0); 23];
         if !dag.is_empty() {
             let root = dag.root();
-            // A DAG that is one brick gets a root above it in thought: one octant, the brick.
-            open[level as usize] =
-                if level == BRICK_LEVEL { (root as u32, 1) } else { (root as u32, dag.words()[root] as u8) };
+            // Where the root itself is asked for, it gets a parent in thought: one octant, the root.
+            open[top as usize] = if bottom < top { (root as u32, dag.words()[root] as u8) } else { (0, 1) };
         }
-        Bricks { dag, open, level, code: 0 }
+        Nodes { dag, bottom, open, level: top, code: 0 }
     }
 }
 
-impl Iterator for Bricks<'_> {
-    type Item = (Morton, u64);
+impl Iterator for Nodes<'_> {
+    type Item = (Morton, usize);
 
-    fn next(&mut self) -> Option<(Morton, u64)> {
+    #[inline]
+    fn next(&mut self) -> Option<(Morton, usize)> {
         let top = self.dag.depth().max(BRICK_LEVEL);
         loop {
             let (word, left) = self.open[self.level as usize];
@@ -45,20 +47,39 @@ impl Iterator for Bricks<'_> {
             // Take the next octant.
             let octant = left.trailing_zeros();
             self.open[self.level as usize].1 = left & (left - 1);
-            if top == BRICK_LEVEL {
-                return Some((Morton(0), self.dag.brick_at(word as usize)));
+            if self.bottom >= top {
+                return Some((Morton(0), self.dag.root()));
             }
             let child = self.dag.child(word as usize, octant)?;
             let level = self.level - 1;
             let shift = 3 * u32::from(level);
             self.code = (self.code >> shift & !7 | u64::from(octant)) << shift;
-            if level == BRICK_LEVEL {
-                return Some((Morton(self.code), self.dag.brick_at(child)));
+            if level == self.bottom {
+                return Some((Morton(self.code), child));
             }
             // Go down.
             self.level = level;
             self.open[level as usize] = (child as u32, self.dag.words()[child] as u8);
         }
+    }
+}
+
+/// Iterator over the bricks that hold a voxel: the code of their first voxel, and their mask. See [`Dag::bricks`].
+#[derive(Clone, Debug)]
+pub struct Bricks<'a>(Nodes<'a>);
+
+impl<'a> Bricks<'a> {
+    pub(super) fn new(dag: Dag<'a>) -> Self {
+        Bricks(Nodes::new(dag, BRICK_LEVEL))
+    }
+}
+
+impl Iterator for Bricks<'_> {
+    type Item = (Morton, u64);
+
+    #[inline]
+    fn next(&mut self) -> Option<(Morton, u64)> {
+        self.0.next().map(|(code, word)| (code, self.0.dag.brick_at(word)))
     }
 }
 

@@ -2,7 +2,12 @@
 
 mod exact;
 mod ray;
+mod top;
 mod walk;
+
+pub use top::Top;
+#[cfg(feature = "alloc")]
+pub use top::TopBuf;
 
 use crate::dag::Dag;
 use crate::morton::Morton;
@@ -90,6 +95,82 @@ pub enum Arithmetic {
     F64,
 }
 
+/// A DAG and, if there is one, its top grid: what answers rays. The answers do not depend on the grid.
+#[derive(Clone, Copy, Debug)]
+pub struct Tracer<'a> {
+    dag: Dag<'a>,
+    top: Option<Top<'a>>,
+}
+
+impl<'a> Tracer<'a> {
+    /// Traces the DAG as it is.
+    pub fn new(dag: Dag<'a>) -> Tracer<'a> {
+        Tracer { dag, top: None }
+    }
+
+    /// Traces with a top grid, which must have been made from this DAG; `None` if its size says that it was not.
+    pub fn with_top(dag: Dag<'a>, top: Top<'a>) -> Option<Tracer<'a>> {
+        top.fits(&dag).then_some(Tracer { dag, top: Some(top) })
+    }
+
+    /// The geometry.
+    pub fn dag(&self) -> Dag<'a> {
+        self.dag
+    }
+
+    /// The first filled voxel that the ray meets; `None` if there is none, or if the ray is no ray (NaN, infinite
+    /// or zero direction).
+    #[inline]
+    pub fn trace(&self, arithmetic: Arithmetic, query: &Query) -> Option<Hit> {
+        self.trace_counted(arithmetic, query).0
+    }
+
+    /// [`Tracer::trace`], and the number of rounds of the walk: boxes of empty space and voxels looked at.
+    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, u32) {
+        match (arithmetic, self.serves(query)) {
+            (Arithmetic::Exact, true) => walk::trace::<true, true>(self, query),
+            (Arithmetic::Exact, false) => walk::trace::<true, false>(self, query),
+            (Arithmetic::F64, true) => walk::trace::<false, true>(self, query),
+            (Arithmetic::F64, false) => walk::trace::<false, false>(self, query),
+        }
+    }
+
+    /// Whether the ray meets any filled voxel: `trace(..).is_some()`, without working out where.
+    pub fn occluded(&self, arithmetic: Arithmetic, query: &Query) -> bool {
+        match (arithmetic, self.serves(query)) {
+            (Arithmetic::Exact, true) => walk::occluded::<true, true>(self, query),
+            (Arithmetic::Exact, false) => walk::occluded::<true, false>(self, query),
+            (Arithmetic::F64, true) => walk::occluded::<false, true>(self, query),
+            (Arithmetic::F64, false) => walk::occluded::<false, false>(self, query),
+        }
+    }
+
+    /// Traces every query; `hits[i]` becomes the answer to `queries[i]`, as far as both slices reach.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let rays = [Query::new([0.5, 0.5, 9.0], [0.0, 0.0, -2.0]), Query::new([1.5, 0.5, 9.0], [0.0, 0.0, -2.0])];
+    /// let mut hits = [None; 2];
+    /// tracer.trace_many(Arithmetic::Exact, &rays, &mut hits);
+    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
+    /// ```
+    pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
+        for (query, hit) in queries.iter().zip(hits) {
+            *hit = self.trace(arithmetic, query);
+        }
+    }
+
+    /// Whether there is a top grid that this query can use.
+    #[inline]
+    fn serves(&self, query: &Query) -> bool {
+        self.top.is_some_and(|top| usize::from(query.min_level) <= top.level())
+    }
+}
+
 impl Dag<'_> {
     /// The first filled voxel that the ray meets; `None` if there is none, or if the ray is no ray (NaN, infinite
     /// or zero direction).
@@ -99,10 +180,7 @@ impl Dag<'_> {
 
     /// [`Dag::trace`] with the arithmetic named.
     pub fn trace_with(&self, arithmetic: Arithmetic, query: &Query) -> Option<Hit> {
-        match arithmetic {
-            Arithmetic::Exact => walk::trace::<true>(self, query),
-            Arithmetic::F64 => walk::trace::<false>(self, query),
-        }
+        Tracer::new(*self).trace(arithmetic, query)
     }
 
     /// Whether the ray meets any filled voxel: `trace(query).is_some()`, without working out where.
@@ -112,9 +190,11 @@ impl Dag<'_> {
 
     /// [`Dag::occluded`] with the arithmetic named.
     pub fn occluded_with(&self, arithmetic: Arithmetic, query: &Query) -> bool {
-        match arithmetic {
-            Arithmetic::Exact => walk::occluded::<true>(self, query),
-            Arithmetic::F64 => walk::occluded::<false>(self, query),
-        }
+        Tracer::new(*self).occluded(arithmetic, query)
+    }
+
+    /// [`Tracer::trace_counted`] without a top grid.
+    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, u32) {
+        Tracer::new(*self).trace_counted(arithmetic, query)
     }
 }

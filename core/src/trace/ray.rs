@@ -23,6 +23,8 @@ pub(super) struct Ray {
     inverse: [f64; 4],
     /// All ones where the direction is positive (or 0), else 0.
     pub up: [i32; 4],
+    /// The octant it heads to: `up` of x, y and z as bits.
+    pub octant: usize,
     t_max: f64,
     /// Times below it are certainly below `t_max`.
     pub stop: f64,
@@ -75,6 +77,7 @@ impl Ray {
             // Of both zeros the positive one: up is where the plane ahead lies.
             inverse: [1.0 / (d[0] + 0.0), 1.0 / (d[1] + 0.0), 1.0 / (d[2] + 0.0), 1.0],
             up: [d[0], d[1], d[2], 1.0].map(|d| if d < 0.0 { 0 } else { -1 }),
+            octant: (0..3).map(|i| usize::from(!(d[i] < 0.0)) << i).sum(),
             t_max,
             stop: f64::NEG_INFINITY,
             time_slack: f64::INFINITY,
@@ -175,10 +178,20 @@ impl Ray {
         ((p & up) | (plane & !up), ((plane - 1) & up) | (p & !up))
     }
 
-    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `None` if f64 values
-    /// are too close to tell, or if that may be at `t_max` or later. `side` is the box's smallest extent.
+    /// The planes through which the ray leaves a box of cells of a level: it begins at the cell of `p` and reaches so many
+    /// cells ahead.
     #[inline(always)]
-    pub(super) fn step(&self, p: [i32; 3], side: i32, planes: [i32; 3]) -> Option<[i32; 3]> {
+    pub(super) fn box_planes(&self, p: [i32; 3], level: usize, reach: [i32; 3]) -> [i32; 3] {
+        core::array::from_fn(|i| {
+            let cell = p[i] >> level;
+            (if self.up[i] != 0 { cell + reach[i] } else { cell + 1 - reach[i] }) << level
+        })
+    }
+
+    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `None` if f64 values
+    /// are too close to tell, or if that may be at `t_max` or later. `single`: the box is one voxel.
+    #[inline(always)]
+    pub(super) fn step(&self, p: [i32; 3], planes: [i32; 3], single: bool) -> Option<[i32; 3]> {
         let t: [f64; 3] = core::array::from_fn(|i| self.t(i, planes[i]));
         let first = if t[1] < t[0] { t[1] } else { t[0] };
         let now = if t[2] < first { t[2] } else { first };
@@ -187,7 +200,7 @@ impl Ray {
         let close = t.map(|t| !(t > limit));
         let (places, doubt) = self.places(now);
         let alone = u8::from(close[0]) + u8::from(close[1]) + u8::from(close[2]) == 1;
-        let clear = (0..3).all(|i| close[i] | (doubt >> i & 1 == 0)) | (side == 1);
+        let clear = (0..3).all(|i| close[i] | (doubt >> i & 1 == 0)) | single;
         if !(alone & clear & (now < self.stop)) {
             return None;
         }

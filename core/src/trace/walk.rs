@@ -11,77 +11,109 @@
 use core::cmp::Ordering;
 
 use super::ray::{Crossing, Ray};
-use super::{Face, Hit, Query};
-use crate::dag::{BRICK_LEVEL, Dag};
+use super::top::Cell;
+use super::{Face, Hit, Query, Tracer};
+use crate::dag::BRICK_LEVEL;
 use crate::morton::Morton;
 
-/// Nearest hit.
+/// Nearest hit, and the number of rounds that it took.
 #[inline(never)]
-pub(super) fn trace<const EXACT: bool>(dag: &Dag<'_>, query: &Query) -> Option<Hit> {
-    let size = 1i32 << dag.depth();
-    if dag.is_empty() || !Ray::exists(query, size) {
-        return None;
+pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, u32) {
+    let mut rounds = 0;
+    let size = 1i32 << tracer.dag.depth();
+    if tracer.dag.is_empty() || !Ray::exists(query, size) {
+        return (None, rounds);
     }
     let ray = Ray::new::<EXACT>(query, size);
-    let start = enter::<EXACT>(&ray, query, size)?;
-    let (p, level) = walk::<EXACT>(dag, &ray, start, query.min_level)?;
-    Some(arrive::<EXACT>(&ray, p, level, size, query))
+    let Some(start) = enter::<EXACT>(&ray, query, size) else { return (None, rounds) };
+    let found = walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut rounds);
+    (found.map(|(p, level)| arrive::<EXACT>(&ray, p, level, size, query)), rounds)
 }
 
 /// Any hit.
 #[inline(never)]
-pub(super) fn occluded<const EXACT: bool>(dag: &Dag<'_>, query: &Query) -> bool {
-    let size = 1i32 << dag.depth();
-    if dag.is_empty() || !Ray::exists(query, size) {
+pub(super) fn occluded<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> bool {
+    let size = 1i32 << tracer.dag.depth();
+    if tracer.dag.is_empty() || !Ray::exists(query, size) {
         return false;
     }
     let ray = Ray::new::<EXACT>(query, size);
     let Some(start) = enter::<EXACT>(&ray, query, size) else { return false };
-    walk::<EXACT>(dag, &ray, start, query.min_level).is_some()
+    walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut 0).is_some()
 }
 
-/// From voxel `p` to the first filled one, and the level of what was hit.
+/// From voxel `p` to the first filled one, and the level of what was hit. With `TOP` the tracer has a top grid, and its
+/// cells are no smaller than `min_level`.
 #[inline(always)]
-fn walk<const EXACT: bool>(dag: &Dag<'_>, ray: &Ray, mut p: [i32; 3], min_level: u8) -> Option<([i32; 3], u8)> {
+fn walk<const EXACT: bool, const TOP: bool>(
+    tracer: &Tracer<'_>,
+    ray: &Ray,
+    mut p: [i32; 3],
+    min_level: u8,
+    rounds: &mut u32,
+) -> Option<([i32; 3], u8)> {
+    let dag = tracer.dag;
     let depth = dag.depth();
     let outside = -1i32 << depth;
     let goal = min_level.min(depth);
     let mut level = depth.max(BRICK_LEVEL) as usize;
     let mut nodes = [0u32; 22];
     nodes[level] = dag.root() as u32;
+    let top = if TOP { tracer.top } else { None };
     loop {
-        // Go down to a brick, or to the largest empty cube around the voxel.
-        let mut empty = loop {
-            if level <= goal as usize && level > BRICK_LEVEL as usize {
-                return Some((p, goal));
+        *rounds += 1;
+        // Above the top grid's cells, look up the cell: its node, or the box that is empty ahead.
+        let mut boxed = None;
+        if let Some(top) = &top
+            && level > top.level()
+        {
+            match top.cell(p, ray.octant) {
+                Cell::Node(node) => {
+                    level = top.level();
+                    nodes[level] = node;
+                }
+                Cell::Empty(reach) => {
+                    level = top.level() + 1;
+                    boxed = Some(ray.box_planes(p, top.level(), reach));
+                }
             }
-            if level == BRICK_LEVEL as usize {
-                break 0;
-            }
-            level -= 1;
-            let bit = |i: usize| (p[i] as u32 >> level) & 1;
-            let octant = bit(0) | bit(1) << 1 | bit(2) << 2;
-            match dag.child(nodes[level + 1] as usize, octant) {
-                Some(child) => nodes[level] = child as u32,
-                None => break level,
+        }
+        let (planes, single) = match boxed {
+            Some(planes) => (planes, false),
+            None => {
+                // Go down to a brick, or to the largest empty cube around the voxel.
+                let mut empty = loop {
+                    if level <= goal as usize && level > BRICK_LEVEL as usize {
+                        return Some((p, goal));
+                    }
+                    if level == BRICK_LEVEL as usize {
+                        break 0;
+                    }
+                    level -= 1;
+                    let bit = |i: usize| (p[i] as u32 >> level) & 1;
+                    let octant = bit(0) | bit(1) << 1 | bit(2) << 2;
+                    match dag.child(nodes[level + 1] as usize, octant) {
+                        Some(child) => nodes[level] = child as u32,
+                        None => break level,
+                    }
+                };
+                // In a brick, look at the voxel and at the 2^3 around it.
+                if empty == 0 {
+                    let brick = dag.brick_at(nodes[BRICK_LEVEL as usize] as usize);
+                    let block = (p[0] & 2) << 2 | (p[1] & 2) << 3 | (p[2] & 2) << 4;
+                    let eight = (brick >> block) as u8;
+                    let bit = (p[0] & 1) | (p[1] & 1) << 1 | (p[2] & 1) << 2;
+                    if eight >> bit & 1 != 0 || goal > 0 && (goal == BRICK_LEVEL || eight != 0) {
+                        return Some((p, goal));
+                    }
+                    empty = usize::from(eight == 0);
+                }
+                (ray.planes(p, 1 << empty), empty == 0)
             }
         };
-        // In a brick, look at the voxel and at the 2^3 around it.
-        if empty == 0 {
-            let brick = dag.brick_at(nodes[BRICK_LEVEL as usize] as usize);
-            let block = (p[0] & 2) << 2 | (p[1] & 2) << 3 | (p[2] & 2) << 4;
-            let eight = (brick >> block) as u8;
-            let bit = (p[0] & 1) | (p[1] & 1) << 1 | (p[2] & 1) << 2;
-            if eight >> bit & 1 != 0 || goal > 0 && (goal == BRICK_LEVEL || eight != 0) {
-                return Some((p, goal));
-            }
-            empty = usize::from(eight == 0);
-        }
 
-        // Leave the cube through the plane that comes first, and follow the ray on the other axes.
-        let side = 1i32 << empty;
-        let planes = ray.planes(p, side);
-        let next = match ray.step(p, side, planes) {
+        // Leave the box through the plane that comes first, and follow the ray on the other axes.
+        let next = match ray.step(p, planes, single) {
             Some(next) => next,
             None => ray.step_close::<EXACT>(p, planes)?,
         };

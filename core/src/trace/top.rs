@@ -1,0 +1,232 @@
+//! The top grid: the upper levels of the octree as a dense grid of cells, made from the DAG when it is loaded.
+//!
+//! In: a DAG. Out: words that let a ray enter the DAG half way down, and cross empty space in boxes. A cell that holds a
+//! voxel names its node (the word offset in the DAG). An empty one says, for each of the eight octants a ray may head to,
+//! how far a box reaches ahead that is empty and begins at this cell. The box starts as the largest empty cube (a distance
+//! transform from back to front) and grows along x, y and z while the slab ahead is empty. It is derived data: not stored,
+//! optional, and the answers do not depend on it. Source: directed distances after Cohen and Sheffer (1994); boxes ours.
+//!
+//! ```text
+//! word  ((octant n + z) n + y) n + x  of n^3 cells a side, octant = (dx >= 0) + 2 (dy >= 0) + 4 (dz >= 0)
+//!       node: offset < 2^31        empty: 1 << 31 | cells ahead along x | y << 8 | z << 16
+//! ```
+
+use crate::dag::{BRICK_LEVEL, Dag, NODE, Nodes};
+
+/// A checked top grid of a DAG, as [`Top::build_into`] writes it.
+#[derive(Clone, Copy, Debug)]
+pub struct Top<'a> {
+    words: &'a [u32],
+    /// Cells along an axis, as a power of two.
+    bits: u8,
+    /// Octree level of a cell.
+    level: u8,
+}
+
+/// What a cell says to a ray.
+pub(super) enum Cell {
+    /// The word offset of its node.
+    Node(u32),
+    /// Cells that are empty ahead, itself counted, per axis.
+    Empty([i32; 3]),
+}
+
+impl<'a> Top<'a> {
+    /// Words of a grid of `2^bits` cells a side.
+    pub const fn words_for(bits: u8) -> usize {
+        8 << (3 * bits)
+    }
+
+    /// Words of scratch memory that [`Top::build_into`] takes.
+    pub const fn scratch_for(bits: u8) -> usize {
+        let side = (1 << bits) + 1;
+        side * side * side
+    }
+
+    /// The most cells along an axis, as a power of two, that a DAG can have a grid of; at most 8.
+    pub fn most_bits(dag: &Dag<'_>) -> u8 {
+        dag.depth().saturating_sub(BRICK_LEVEL).min(8)
+    }
+
+    /// Makes the grid of `2^bits` cells a side in lent memory; `None` if `bits` is above [`Top::most_bits`] or a slice
+    /// has not the length that [`Top::words_for`] and [`Top::scratch_for`] say.
+    pub fn build_into(dag: &Dag<'_>, bits: u8, words: &'a mut [u32], scratch: &mut [u32]) -> Option<Top<'a>> {
+        if bits > Top::most_bits(dag) || words.len() != Top::words_for(bits) || scratch.len() != Top::scratch_for(bits)
+        {
+            return None;
+        }
+        let level = dag.depth().max(BRICK_LEVEL) - bits;
+        let n = 1usize << bits;
+        let at = |c: [usize; 3]| (c[2] * n + c[1]) * n + c[0];
+
+        // Enter the nodes of the cells' level into the first octant's grid; NODE alone marks an empty cell.
+        words.fill(NODE);
+        for (code, node) in Nodes::new(*dag, level) {
+            words[at(code.decode().map(|x| (x >> level) as usize))] = node as u32;
+        }
+        let sums = Sums::new(n, scratch, |c| words[at(c)] & NODE == 0);
+
+        // Find each octant's boxes, from the cells that are last on its way to those that are first.
+        let cells = n * n * n;
+        for octant in 0..8 {
+            let up: [bool; 3] = core::array::from_fn(|i| octant >> i & 1 != 0);
+            let grid = octant * cells;
+            for i in 0..cells {
+                let back = [i % n, i / n % n, i / n / n];
+                let c: [usize; 3] = core::array::from_fn(|k| if up[k] { n - 1 - back[k] } else { back[k] });
+                let node = words[at(c)];
+                let word = if node & NODE == 0 {
+                    node
+                } else {
+                    // The largest empty cube is one larger than the smallest of those that begin at its successors.
+                    let mut cube = FAR;
+                    for successor in 1..8usize {
+                        let on = |k: usize| successor >> k & 1;
+                        if (0..3).all(|k| back[k] >= on(k)) {
+                            let s = core::array::from_fn(|k| if up[k] { c[k] + on(k) } else { c[k] - on(k) });
+                            let left = core::array::from_fn(|k| back[k] - on(k) + 1);
+                            cube = cube.min(cube_of(words[grid + at(s)], left));
+                        }
+                    }
+                    let left = back.map(|b| b + 1);
+                    let mut reach: [usize; 3] = left.map(|l| l.min(cube + 1));
+                    // Grow it along each axis while the slab ahead is empty, up to the border. Where the box of the cell
+                    // ahead is as wide as this one, it can be added whole.
+                    for k in 0..3 {
+                        while reach[k] < left[k] && reach[k] < FAR {
+                            let ahead = core::array::from_fn(|j| match (j == k, up[j]) {
+                                (true, true) => c[j] + reach[j],
+                                (true, false) => c[j] - reach[j],
+                                (false, _) => c[j],
+                            });
+                            let beyond = reach_of(words[grid + at(ahead)]);
+                            let wide = (0..3).all(|j| j == k || beyond[j] >= reach[j]);
+                            let mut next = reach;
+                            next[k] += if wide { beyond[k] } else { 1 };
+                            if !wide && !sums.empty(c, up, next) {
+                                break;
+                            }
+                            reach[k] = next[k].min(FAR);
+                        }
+                    }
+                    NODE | reach[0] as u32 | (reach[1] as u32) << 8 | (reach[2] as u32) << 16
+                };
+                words[grid + at(c)] = word;
+            }
+        }
+        Some(Top { words, bits, level })
+    }
+
+    /// Whether it can be the grid of this DAG: its size fits, and all that it names are nodes of its level. The grid of
+    /// another DAG may pass, and then leads to wrong answers, but to nothing worse.
+    pub(super) fn fits(&self, dag: &Dag<'_>) -> bool {
+        let nodes = dag.level_start(self.level)..dag.level_start(self.level + 1);
+        let starts = |word: usize| match self.level {
+            BRICK_LEVEL => word.is_multiple_of(2),
+            _ => dag.words()[word] & NODE != 0,
+        };
+        let known = |word: u32| word & NODE != 0 || nodes.contains(&(word as usize)) && starts(word as usize);
+        self.level + self.bits == dag.depth().max(BRICK_LEVEL) && self.words.iter().all(|&word| known(word))
+    }
+
+    /// Octree level of a cell.
+    #[inline(always)]
+    pub(super) fn level(&self) -> usize {
+        self.level as usize
+    }
+
+    /// The cell around voxel `p`, for rays that head to `octant`.
+    #[inline(always)]
+    pub(super) fn cell(&self, p: [i32; 3], octant: usize) -> Cell {
+        let c = p.map(|x| (x >> self.level) as usize);
+        let word = self.words[(((octant << self.bits | c[2]) << self.bits) | c[1]) << self.bits | c[0]];
+        if word & NODE == 0 {
+            Cell::Node(word)
+        } else {
+            Cell::Empty([0, 8, 16].map(|shift| (word >> shift & 0xff) as i32))
+        }
+    }
+}
+
+/// A top grid that owns its words.
+#[cfg(feature = "alloc")]
+#[derive(Clone, Debug)]
+pub struct TopBuf {
+    words: alloc::vec::Vec<u32>,
+    bits: u8,
+    level: u8,
+}
+
+#[cfg(feature = "alloc")]
+impl TopBuf {
+    /// Makes the grid of `2^bits` cells a side, or of as many as the DAG can have; `Err` with the number of bytes that
+    /// could not be had.
+    pub fn new(dag: &Dag<'_>, bits: u8) -> Result<TopBuf, usize> {
+        let bits = bits.min(Top::most_bits(dag));
+        let lend = |len: usize| -> Result<alloc::vec::Vec<u32>, usize> {
+            let mut list = alloc::vec::Vec::new();
+            list.try_reserve_exact(len).map_err(|_| 4 * len)?;
+            list.resize(len, 0);
+            Ok(list)
+        };
+        let (mut words, mut scratch) = (lend(Top::words_for(bits))?, lend(Top::scratch_for(bits))?);
+        let level = dag.depth().max(BRICK_LEVEL) - bits;
+        Top::build_into(dag, bits, &mut words, &mut scratch).expect("the sizes are those that the grid takes");
+        Ok(TopBuf { words, bits, level })
+    }
+
+    /// The view that a tracer takes.
+    pub fn as_top(&self) -> Top<'_> {
+        Top { words: &self.words, bits: self.bits, level: self.level }
+    }
+}
+
+/// Cells that nothing limits: a box is never longer.
+const FAR: usize = 255;
+
+/// How far the box of a cell with this word reaches, per axis; 0 if the cell is not empty.
+fn reach_of(word: u32) -> [usize; 3] {
+    if word & NODE == 0 { [0; 3] } else { [0, 8, 16].map(|shift| (word >> shift & 0xff) as usize) }
+}
+
+/// Side of the largest empty cube that begins at a cell with this word, `left` cells from the borders ahead; the world
+/// beyond the border is empty. The box holds the cube and was grown from it, so its shortest side tells.
+fn cube_of(word: u32, left: [usize; 3]) -> usize {
+    reach_of(word).into_iter().zip(left).map(|(r, l)| if r == l { FAR } else { r }).fold(FAR, usize::min)
+}
+
+/// Numbers of filled cells below each corner of the grid, so that any box can be asked in eight look-ups.
+struct Sums<'a> {
+    sums: &'a [u32],
+    side: usize,
+}
+
+impl<'a> Sums<'a> {
+    fn new(n: usize, sums: &'a mut [u32], filled: impl Fn([usize; 3]) -> bool) -> Self {
+        let side = n + 1;
+        sums.fill(0);
+        for z in 0..n {
+            for y in 0..n {
+                let mut row = 0;
+                for x in 0..n {
+                    row += u32::from(filled([x, y, z]));
+                    let corner = ((z + 1) * side + y + 1) * side + x + 1;
+                    let (below, left) = (side * side, side);
+                    sums[corner] = row + sums[corner - below] + sums[corner - left] - sums[corner - below - left];
+                }
+            }
+        }
+        Sums { sums, side }
+    }
+
+    /// Whether the box that begins at cell `c` and reaches so many cells ahead holds no filled one.
+    fn empty(&self, c: [usize; 3], up: [bool; 3], reach: [usize; 3]) -> bool {
+        let low: [usize; 3] = core::array::from_fn(|k| if up[k] { c[k] } else { c[k] + 1 - reach[k] });
+        let sum = |x: usize, y: usize, z: usize| {
+            let end = |k: usize, high: usize| low[k] + high * reach[k];
+            self.sums[(end(2, z) * self.side + end(1, y)) * self.side + end(0, x)]
+        };
+        let slab = |z| sum(1, 1, z) + sum(0, 0, z) - sum(0, 1, z) - sum(1, 0, z);
+        slab(1) == slab(0)
+    }
+}
