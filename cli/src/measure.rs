@@ -10,7 +10,6 @@ use std::time::Duration;
 
 use cpu_time::ThreadTime;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::error::{Error, Kind, Result};
 use crate::progress::Progress;
@@ -60,7 +59,7 @@ pub struct Times {
 }
 
 /// The median of repetitions, and their extremes.
-#[derive(Clone, Copy, Serialize)]
+#[derive(Clone, Copy)]
 pub struct Spread {
     pub median: f64,
     pub min: f64,
@@ -75,11 +74,6 @@ impl Spread {
         let (middle, last) = (sorted.len() / 2, sorted.len() - 1);
         let median = if last % 2 == 0 { sorted[middle] } else { (sorted[middle - 1] + sorted[middle]) / 2.0 };
         Spread { median, min: sorted[0], max: sorted[last] }
-    }
-
-    /// For people, in a unit.
-    pub fn text(&self, unit: &str) -> String {
-        format!("{:.2} {unit} ({:.2} to {:.2})", self.median, self.min, self.max)
     }
 }
 

@@ -57,7 +57,7 @@ fn with<M: Materials>(
     probes: Option<Probes>,
 ) -> Result<()> {
     let dag = scene.dag;
-    let hits: Vec<_> = rays::hits(scene, &rays::primary(run, scene)?)?.iter().map(|f| f.hit.voxel).collect();
+    let hits: Vec<_> = rays::seen(run, scene)?.iter().map(|f| f.hit.voxel).collect();
     let voxels = scene::count(dag)?.voxels;
     let mut scattered: Vec<_> = dag.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
     Rng::new(3).shuffle(&mut scattered);

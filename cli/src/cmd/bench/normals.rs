@@ -30,7 +30,7 @@ struct Report {
 
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
-    let found = rays::hits(scene, &rays::primary(run, scene)?)?;
+    let found = rays::seen(run, scene)?;
     match scene.materials {
         AnyMaterials::Single(materials) => with(run, scene, materials, &found),
         AnyMaterials::Table(materials) => with(run, scene, materials, &found),

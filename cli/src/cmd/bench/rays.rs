@@ -1,16 +1,32 @@
 //! The rays that are measured with: those of a picture, and those that leave its hits.
 
+use voxdag::Dag;
 use voxdag::camera::Camera;
 use voxdag::math::{add_scaled, dot, sqrt, sub};
-use voxdag::trace::{Face, Hit, Query};
+use voxdag::trace::{Arithmetic, Face, Hit, Query, TopBuf, Tracer};
 use voxdag_oracle::rng::Rng;
 
 use super::Run;
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::picture::{self, Shown};
 
 /// Of the directions of incoherent rays; any other would do as well.
 const SEED: u64 = 3;
+
+/// Cells of the top grid along an axis, as a power of two; fewer where the DAG is shallow.
+pub const TOP_BITS: u8 = 6;
+
+/// The top grid of a DAG.
+pub fn top_grid(dag: Dag<'_>) -> Result<TopBuf> {
+    TopBuf::new(&dag, TOP_BITS)
+        .map_err(|bytes| Error::new(Kind::Failure, format_args!("no memory for a top grid of {bytes} bytes")))
+}
+
+/// What answers the rays.
+pub fn tracer<'a>(dag: Dag<'a>, top: &'a TopBuf) -> Result<Tracer<'a>> {
+    Tracer::with_top(dag, top.as_top())
+        .ok_or_else(|| Error::new(Kind::Failure, "the top grid does not fit its DAG: this is a defect of voxdag"))
+}
 
 /// One ray through the centre of every pixel, row by row.
 pub fn primary(run: &Run, scene: &Shown<'_>) -> Result<Vec<Query>> {
@@ -30,12 +46,17 @@ pub struct Found {
     point: [f64; 3],
 }
 
+/// What the rays of a picture hit; an error if that is nothing.
+pub fn seen(run: &Run, scene: &Shown<'_>) -> Result<Vec<Found>> {
+    hits(&tracer(scene.dag, &top_grid(scene.dag)?)?, &primary(run, scene)?)
+}
+
 /// What the rays hit, in their order; an error if that is nothing.
-pub fn hits(scene: &Shown<'_>, queries: &[Query]) -> Result<Vec<Found>> {
+pub fn hits(tracer: &Tracer<'_>, queries: &[Query]) -> Result<Vec<Found>> {
     let found: Vec<_> = queries
         .iter()
         .filter_map(|q| {
-            let hit = scene.dag.trace(q)?;
+            let hit = tracer.trace(Arithmetic::Exact, q)?;
             Some(Found { hit, dir: q.dir, point: add_scaled(q.origin, q.dir, hit.t) })
         })
         .collect();
