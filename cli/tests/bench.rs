@@ -112,7 +112,10 @@ fn accuracy_of_the_textbook_methods() {
     let s = Sandbox::new();
     let json = s.ok(&format!("bench accuracy box.obj -r 100 {SMALL}")).json();
     positive(&json, "overlap.tests overlap.f32.ns overlap.f64.ns overlap.exact.ns tracing.f32.ns tracing.f64.ns");
-    assert_eq!(number(&json, "overlap.voxels"), number(&s.ok("bench build box.obj -r 100 --repeat 1 --json").json(), "voxels"));
+    assert_eq!(
+        number(&json, "overlap.voxels"),
+        number(&s.ok("bench build box.obj -r 100 --repeat 1 --json").json(), "voxels")
+    );
     // Exact on both sides, and f64 misses nothing: its products of snapped coordinates are exact at this size. What is
     // only touched it marks in addition.
     for path in ["overlap.exact.wrong", "overlap.f64.missing", "tracing.exact.wrong"] {

@@ -16,6 +16,7 @@ use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
 use voxdag::{Grid, Mesh, Morton};
 
 fn main() {
+    println!("{} rays, {} hits, {} voxels", RAYS, SCENE.hits.len(), SCENE.dag.dag().voxels().count());
     divan::main();
 }
 

@@ -171,8 +171,10 @@ int main(int argc, char **argv) {
             if (rays[i].hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
             hits++;
             struct RTCRay r = rays[i].ray;
-            Vec point = add((Vec){r.org_x, r.org_y, r.org_z}, (Vec){r.dir_x, r.dir_y, r.dir_z}, r.tfar);
-            shadow[shadows++] = ray(point, add(light, point, -1), 1e-4f, 1);
+            /* From just before the hit, as ours start in the voxel before: a wall without thickness blocks its far side. */
+            double before = r.tfar * (1 - 1e-5);
+            Vec point = add((Vec){r.org_x, r.org_y, r.org_z}, (Vec){r.dir_x, r.dir_y, r.dir_z}, before);
+            shadow[shadows++] = ray(point, add(light, point, -1), 0, 1);
         }
         start = now();
         for (size_t i = 0; i < shadows; i++) rtcOccluded1(scene, &context, &shadow[i]);

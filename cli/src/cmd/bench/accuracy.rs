@@ -266,13 +266,16 @@ impl Known {
         Ok(Known { dag, normal: Box::new(normal) })
     }
 
-    /// What a picture of 256 x 256 pixels shows.
+    /// What a picture of 256 x 256 pixels shows of the surface. Where a plane ends at the border of the cube, the voxels
+    /// around are not those of a plane.
     fn seen(&self) -> Result<Vec<Found>> {
         let camera = Camera::framing(&Bounds { min: [0.0; 3], max: [f64::from(SIDE); 3] }, UpAxis::Z);
         let rays = camera.rays(256, 256).map_err(defect)?;
         let pixels = (0..256).flat_map(|y| (0..256).map(move |x| [x, y].map(|k| f64::from(k) + 0.5)));
         let queries: Vec<_> = pixels.map(|[x, y]| Query::new(camera.eye, rays.direction(x, y))).collect();
-        rays::hits(&Tracer::new(self.dag.dag()), &queries)
+        let mut found = rays::hits(&Tracer::new(self.dag.dag()), &queries)?;
+        found.retain(|f| f.hit.voxel.decode().iter().all(|k| (4..SIDE - 4).contains(k)));
+        Ok(found)
     }
 
     /// Degrees by which normals of a kind are off, on average.
