@@ -1,7 +1,8 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `scene`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other programs' files), `progress`, `report`, `stats` and `error`. No algorithm of the
+//! `scene`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other programs' files),
+//! `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
@@ -9,6 +10,7 @@ mod error;
 mod formats;
 mod hexfloat;
 mod input;
+mod measure;
 mod options;
 mod ordered;
 mod output;
@@ -49,6 +51,7 @@ enum Command {
     Verify(cmd::verify::Args),
     Cast(cmd::cast::Args),
     Export(cmd::export::Args),
+    Bench(cmd::bench::Args),
     Completions(cmd::completions::Args),
 }
 
@@ -63,6 +66,7 @@ fn main() {
         Command::Verify(args) => cmd::verify::run(&args),
         Command::Cast(args) => cmd::cast::run(&args),
         Command::Export(args) => cmd::export::run(&args),
+        Command::Bench(args) => cmd::bench::run(&args),
         Command::Completions(args) => cmd::completions::run(&args),
     };
     if let Err(error) = result {

@@ -1,6 +1,8 @@
 //! The flags that several commands share, and how their values are read. Defaults stand in the help texts; a flag that
 //! was not given stays `None` where its absence matters.
 
+use std::path::Path;
+
 use clap::{Args, ValueEnum};
 use voxdag::materials::AnyMaterials;
 use voxdag::normal::NormalKind;
@@ -49,8 +51,17 @@ impl BuildArgs {
         Ok(())
     }
 
+    /// Refuses flags of building for a scene that was built before.
+    pub fn must_be_absent(&self, scene: &Path) -> Result<(), Error> {
+        match self.given() {
+            Some(flag) => Err(Error::usage(format_args!("{flag}: {} is built already", scene.display()))
+                .hint("leave the flag away, or name the mesh instead of the scene")),
+            None => Ok(()),
+        }
+    }
+
     /// The first of these flags that was given, as it is typed.
-    pub fn given(&self) -> Option<&'static str> {
+    fn given(&self) -> Option<&'static str> {
         let flags = [
             (self.resolution.is_some(), "--resolution"),
             (self.voxel_size.is_some(), "--voxel-size"),
@@ -113,14 +124,10 @@ pub enum UpAxisArg {
     Z,
 }
 
-/// How the scene is seen and lit.
+/// From where the scene is seen.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Picture")]
-pub struct PictureArgs {
-    /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
-    pub size: [u32; 2],
-
+pub struct CameraArgs {
     /// Where the camera stands [default: in front, to the right and above, so that all is in view]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,
@@ -136,6 +143,18 @@ pub struct PictureArgs {
     /// Vertical field of view in degrees, above 0 and below 180
     #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view, allow_hyphen_values = true)]
     pub fov: f64,
+}
+
+/// How the scene is seen and lit.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
+    pub size: [u32; 2],
+
+    #[command(flatten)]
+    pub camera: CameraArgs,
 
     /// A point light and its colour; may be repeated [default: one white light above the eye]
     #[arg(long = "light", value_name = "X,Y,Z[,R,G,B]", value_parser = light, allow_hyphen_values = true)]
@@ -328,7 +347,8 @@ fn samples(text: &str) -> Result<Samples, String> {
 /// Largest side of a picture: PNG readers and graphics cards stop there.
 const MAX_SIDE: u32 = 32768;
 
-fn picture_size(text: &str) -> Result<[u32; 2], String> {
+/// Reads `WIDTHxHEIGHT`.
+pub fn picture_size(text: &str) -> Result<[u32; 2], String> {
     let expected = || format!("expected WIDTHxHEIGHT, such as 1280x720, each 1 to {MAX_SIDE}");
     let (width, height) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let side = |text: &str| text.parse().ok().filter(|n| (1..=MAX_SIDE).contains(n)).ok_or_else(expected);

@@ -18,7 +18,7 @@ use voxdag::trace::Tracer;
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::{MachineArgs, PictureArgs};
+use crate::options::{CameraArgs, MachineArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::scene;
@@ -67,7 +67,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
     // Once as pixels and once as bytes for the encoder.
     let mut pixels = room(args.size, 8, machine)?;
 
-    let camera = camera(scene, args)?;
+    let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
     let settings = settings(scene, args)?;
     // The grid pays for itself after some thousand rays.
@@ -142,7 +142,7 @@ pub fn in_bands<T: Send>(
 }
 
 /// The camera that the flags describe; what they leave out frames the mesh's box.
-pub fn camera(scene: &Shown<'_>, args: &PictureArgs) -> Result<Camera> {
+pub fn camera(scene: &Shown<'_>, args: &CameraArgs) -> Result<Camera> {
     let framing = Camera::framing(&scene.bounds, scene.up);
     let target = args.target.unwrap_or(framing.target);
     // The default eye keeps its distance and direction from wherever the target is.
@@ -178,6 +178,11 @@ impl<'a> Shown<'a> {
         let Scene { grid, bounds, up, dag, materials, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
         Shown { grid, bounds, up, dag, materials, palette }
+    }
+
+    /// Whether voxels have normals of their own.
+    pub fn has_normals(&self) -> bool {
+        matches!(self.materials, AnyMaterials::Table(table) if table.has_normals())
     }
 }
 

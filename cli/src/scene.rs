@@ -144,6 +144,23 @@ impl Bytes {
     }
 }
 
+/// What to build, as the flags say; at most `memory_limit` bytes at one time.
+pub fn options(args: &BuildArgs, memory_limit: Option<u64>) -> Options {
+    Options {
+        cover: match args.cover.unwrap_or_default() {
+            CoverArg::Exact => Cover::Exact,
+            CoverArg::Thin => Cover::Thin,
+            CoverArg::Inflated => Cover::Inflated,
+        },
+        materials: match args.materials.unwrap_or_default() {
+            MaterialsArg::Table => MaterialMode::Table,
+            MaterialsArg::TableNormals => MaterialMode::TableNormals,
+            MaterialsArg::None => MaterialMode::None,
+        },
+        memory_limit,
+    }
+}
+
 /// Builds the scene on the threads of the current pool.
 pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result<Built> {
     let mesh = source.model.mesh();
@@ -158,19 +175,7 @@ pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result
     };
 
     // Sort the triangles into parts, build the parts on all threads and join them as they come.
-    let options = Options {
-        cover: match args.cover.unwrap_or_default() {
-            CoverArg::Exact => Cover::Exact,
-            CoverArg::Thin => Cover::Thin,
-            CoverArg::Inflated => Cover::Inflated,
-        },
-        materials: match args.materials.unwrap_or_default() {
-            MaterialsArg::Table => MaterialMode::Table,
-            MaterialsArg::TableNormals => MaterialMode::TableNormals,
-            MaterialsArg::None => MaterialMode::None,
-        },
-        memory_limit: machine.memory_limit.map(|limit| limit.saturating_sub(held)),
-    };
+    let options = options(args, machine.memory_limit.map(|limit| limit.saturating_sub(held)));
     let start = Instant::now();
     let build = Build::new(&mesh, &grid, &options).map_err(refused)?;
     let mut join = build.join().map_err(refused)?;

@@ -114,7 +114,7 @@ fn look<T: Send>(
     out: &mut [T],
     see: impl Fn(&Query, Option<&Hit>, u32) -> T + Sync,
 ) -> Result<Counters> {
-    let camera = picture::camera(shown, args)?;
+    let camera = picture::camera(shown, &args.camera)?;
     let arithmetic = args.arithmetic.kind();
     let top = scene::top_grid(shown.dag)?;
     let tracer = Tracer::with_top(shown.dag, top.as_top()).unwrap_or(Tracer::new(shown.dag));

@@ -7,7 +7,9 @@ use serde::Serialize;
 use voxdag::demo;
 
 use crate::error::Result;
-use crate::options::{ArithmeticArg, BuildArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs};
+use crate::options::{
+    ArithmeticArg, BuildArgs, CameraArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
+};
 use crate::output::Output;
 use crate::picture;
 use crate::report::{self, Lines, grouped, time};
@@ -95,10 +97,7 @@ fn view() -> PictureArgs {
     let view = demo::view();
     PictureArgs {
         size: [1280, 720],
-        eye: Some(view.eye),
-        target: Some(view.target),
-        view_up: Some(view.up),
-        fov: view.fov_y,
+        camera: CameraArgs { eye: Some(view.eye), target: Some(view.target), view_up: Some(view.up), fov: view.fov_y },
         lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
         ambient: view.ambient,
         normals: NormalsArg::default(),

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::formats;
 use crate::input::{self, Content};
 use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
@@ -93,10 +93,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let (drawn, grid, is_scene) = match input::read(&args.input, &args.machine)? {
         Content::Scene(words) => {
-            if let Some(flag) = args.build.given() {
-                return Err(Error::usage(format_args!("{flag}: {} is built already", args.input.display()))
-                    .hint("leave the flag away, or name the mesh instead of the scene"));
-            }
+            args.build.must_be_absent(&args.input)?;
             let scene = scene::open(&args.input, &words)?;
             (pool.install(|| draw(&Shown::of(&scene), args))?, scene.grid, true)
         }

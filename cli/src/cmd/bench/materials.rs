@@ -1,0 +1,86 @@
+//! `voxdag bench materials`: time per look-up of a voxel's material.
+
+use serde::Serialize;
+use voxdag::Morton;
+use voxdag::materials::{AnyMaterials, Materials};
+use voxdag_oracle::rng::Rng;
+
+use super::{Cost, Run, rays};
+use crate::error::Result;
+use crate::measure::{Arm, measure};
+use crate::picture::Shown;
+use crate::report::{self, Lines, grouped};
+use crate::scene;
+
+/// Voxels of the scattered look-ups, at most.
+const SCATTERED: u64 = 1 << 20;
+
+/// What `bench materials --json` prints.
+#[derive(Serialize)]
+struct Report {
+    /// How the scene keeps materials.
+    kind: &'static str,
+    voxels: u64,
+    repeat: u32,
+    threads: u16,
+    /// Of the voxels that a picture shows, in the order of its pixels.
+    hits: Cost,
+    /// Of voxels from everywhere, in random order.
+    scattered: Cost,
+    /// Slots that look-ups of all voxels read.
+    probes: Option<Probes>,
+}
+
+#[derive(Serialize)]
+struct Probes {
+    mean: f64,
+    max: u32,
+}
+
+/// Runs the command.
+pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
+    match scene.materials {
+        AnyMaterials::Single(single) => with(run, scene, single, "single", None),
+        AnyMaterials::Table(table) => {
+            let probes: u64 = scene.dag.voxels().map(|v| u64::from(table.probes(v))).sum();
+            let mean = probes as f64 / scene::count(scene.dag)?.voxels.max(1) as f64;
+            with(run, scene, table, "table", Some(Probes { mean, max: table.longest_probe() }))
+        }
+    }
+}
+
+fn with<M: Materials>(
+    run: &Run,
+    scene: &Shown<'_>,
+    materials: M,
+    kind: &'static str,
+    probes: Option<Probes>,
+) -> Result<()> {
+    let dag = scene.dag;
+    let hits: Vec<_> = rays::seen(run, scene)?.iter().map(|f| f.hit.voxel).collect();
+    let voxels = scene::count(dag)?.voxels;
+    let mut scattered: Vec<_> = dag.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
+    Rng::new(3).shuffle(&mut scattered);
+
+    let look_up = |voxels| Arm::each(voxels, move |v: &Morton| u64::from(materials.id(dag, *v)));
+    let [near, far] = measure(run.repeat, [look_up(&hits), look_up(&scattered)])?;
+    let report = Report {
+        kind,
+        voxels,
+        repeat: run.repeat,
+        threads: run.threads,
+        hits: Cost::of(&near, hits.len()),
+        scattered: Cost::of(&far, scattered.len()),
+        probes,
+    };
+    let mut lines = Lines::default();
+    lines
+        .row("kind", report.kind)
+        .row("voxels", grouped(report.voxels))
+        .row("hits of a picture", report.hits.text())
+        .row("scattered", report.scattered.text());
+    if let Some(probes) = &report.probes {
+        lines.row("probes", format!("{:8.3} on average, {} at most", probes.mean, probes.max));
+    }
+    report::result(run.report.json, &report, &lines)
+}

@@ -1,0 +1,166 @@
+//! `voxdag bench`: how fast the stages are on this machine, and how accurate.
+//!
+//! One file per subject. They share the input, the camera and the rays: primary rays of a picture, and the hits that
+//! they find. All of it is prepared first; only the work inside [`measure`](crate::measure::measure) is timed.
+
+mod accuracy;
+mod build;
+mod materials;
+mod normals;
+mod rays;
+mod trace;
+
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::input::{self, Content};
+use crate::measure::Times;
+use crate::options::{BuildArgs, CameraArgs, MachineArgs, ReportArgs, picture_size};
+use crate::picture::Shown;
+use crate::scene::{self, Source};
+
+/// Measure how fast this machine traces, shades and builds
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  voxdag bench trace bunny.vxd             rays per second
+  voxdag bench build bunny.obj -r 1024     voxels per second, stage by stage
+  voxdag bench accuracy bunny.obj          what exactness costs, and what its lack costs
+
+Rates are per core: work by the CPU time of the threads that did it. Each is the median of the repetitions,
+which are interleaved with those of everything it is compared with; the slowest and the fastest follow it.")]
+pub struct Args {
+    #[command(subcommand)]
+    subject: Subject,
+}
+
+#[derive(Subcommand)]
+enum Subject {
+    /// Rays per second: from the camera, from hits to a light, from hits to everywhere
+    Trace(Run),
+    /// Time per normal, by kind
+    Normals(Run),
+    /// Time per look-up of a voxel's material
+    Materials(Run),
+    /// Voxels per second, by stage of building a mesh
+    Build(Run),
+    /// Time and errors of the textbook methods beside the exact ones
+    Accuracy(Run),
+}
+
+/// What is measured, and how often.
+#[derive(clap::Args)]
+struct Run {
+    /// Wavefront OBJ file, or a scene from `voxdag build`
+    #[arg(value_name = "MESH_OR_VXD")]
+    input: PathBuf,
+
+    #[command(flatten)]
+    report: ReportArgs,
+
+    /// Repetitions; the median counts
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeat: u32,
+
+    /// Width and height of the picture whose rays are traced
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size, help_heading = "Picture")]
+    size: [u32; 2],
+
+    #[command(flatten)]
+    camera: CameraArgs,
+    #[command(flatten)]
+    build: BuildArgs,
+
+    /// Threads that measure at the same time
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024),
+        help_heading = "Machine")]
+    threads: u16,
+}
+
+/// Runs the command.
+pub fn run(args: &Args) -> Result<()> {
+    let (Subject::Trace(run)
+    | Subject::Normals(run)
+    | Subject::Materials(run)
+    | Subject::Build(run)
+    | Subject::Accuracy(run)) = &args.subject;
+    run.build.check()?;
+    let input = Input::read(run)?;
+    run.machine().pool()?.install(|| match args.subject {
+        Subject::Trace(_) => input.with_scene(run, |scene| trace::run(run, scene)),
+        Subject::Normals(_) => input.with_scene(run, |scene| normals::run(run, scene)),
+        Subject::Materials(_) => input.with_scene(run, |scene| materials::run(run, scene)),
+        Subject::Build(_) => build::run(run, input.mesh(&run.input)?),
+        Subject::Accuracy(_) => input.with_scene(run, |scene| accuracy::run(run, scene, input.mesh(&run.input).ok())),
+    })
+}
+
+impl Run {
+    fn machine(&self) -> MachineArgs {
+        MachineArgs { threads: Some(self.threads), memory_limit: None }
+    }
+}
+
+/// The file to measure on.
+enum Input {
+    Mesh(Source),
+    Scene(Vec<u32>),
+}
+
+impl Input {
+    fn read(run: &Run) -> Result<Input> {
+        match input::read(&run.input, &run.machine())? {
+            Content::Mesh(text) => Ok(Input::Mesh(scene::import_file(&run.input, text)?)),
+            Content::Scene(words) => {
+                run.build.must_be_absent(&run.input)?;
+                Ok(Input::Scene(words))
+            }
+        }
+    }
+
+    /// The mesh, or an error that asks for one.
+    fn mesh(&self, path: &Path) -> Result<&Source> {
+        match self {
+            Input::Mesh(source) => Ok(source),
+            Input::Scene(_) => Err(Error::usage(format_args!("{}: is built already", path.display()))
+                .hint("name the mesh that it was built from")),
+        }
+    }
+
+    /// The scene, built first if need be.
+    fn with_scene<T>(&self, run: &Run, use_scene: impl FnOnce(&Shown<'_>) -> Result<T>) -> Result<T> {
+        match self {
+            Input::Mesh(source) => use_scene(&scene::build(source, &run.build, &run.machine())?.shown()),
+            Input::Scene(words) => use_scene(&Shown::of(&scene::open(&run.input, words)?)),
+        }
+    }
+}
+
+/// Nanoseconds per item, as reports have them.
+#[derive(Serialize)]
+struct Cost {
+    ns: f64,
+    ns_min: f64,
+    ns_max: f64,
+    checksum: String,
+}
+
+impl Cost {
+    fn of(times: &Times, items: usize) -> Cost {
+        let spread = times.ns(items);
+        Cost { ns: spread.median, ns_min: spread.min, ns_max: spread.max, checksum: checksum(times) }
+    }
+
+    /// For people.
+    fn text(&self) -> String {
+        format!("{:8.1} ns ({:.1} to {:.1})", self.ns, self.ns_min, self.ns_max)
+    }
+}
+
+/// The sum of a kernel's results, as reports have it.
+fn checksum(times: &Times) -> String {
+    format!("{:016x}", times.checksum)
+}

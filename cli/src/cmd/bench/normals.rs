@@ -1,0 +1,90 @@
+//! `voxdag bench normals`: time per normal at the hits of a picture.
+
+use serde::Serialize;
+use voxdag::materials::{AnyMaterials, Materials};
+use voxdag::normal::{NormalKind, normal};
+
+use super::rays::Found;
+use super::{Cost, Run, rays};
+use crate::error::Result;
+use crate::measure::{Arm, measure};
+use crate::picture::Shown;
+use crate::report::{self, Lines, grouped};
+
+/// What `bench normals --json` prints.
+#[derive(Serialize)]
+struct Report {
+    resolution: u32,
+    /// Normals per repetition.
+    hits: usize,
+    repeat: u32,
+    threads: u16,
+    face: Cost,
+    gradient: Cost,
+    plane1: Cost,
+    plane2: Cost,
+    plane3: Cost,
+    /// Where the scene keeps normals.
+    stored: Option<Cost>,
+}
+
+/// Runs the command.
+pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
+    let found = rays::seen(run, scene)?;
+    match scene.materials {
+        AnyMaterials::Single(materials) => with(run, scene, materials, &found),
+        AnyMaterials::Table(materials) => with(run, scene, materials, &found),
+    }
+}
+
+fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found]) -> Result<()> {
+    let dag = scene.dag;
+    let kind = |kind| {
+        Arm::each(found, move |f: &Found| {
+            let n = normal(dag, materials, &f.hit, f.dir, kind).direction;
+            n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
+        })
+    };
+    let [face, gradient, plane1, plane2, plane3, stored] = measure(
+        run.repeat,
+        [
+            kind(NormalKind::Face),
+            kind(NormalKind::Gradient),
+            kind(NormalKind::Plane1),
+            kind(NormalKind::Plane2),
+            kind(NormalKind::Plane3),
+            kind(if scene.has_normals() { NormalKind::Stored } else { NormalKind::Face }),
+        ],
+    )?;
+    let cost = |times| Cost::of(times, found.len());
+    let report = Report {
+        resolution: scene.grid.resolution,
+        hits: found.len(),
+        repeat: run.repeat,
+        threads: run.threads,
+        face: cost(&face),
+        gradient: cost(&gradient),
+        plane1: cost(&plane1),
+        plane2: cost(&plane2),
+        plane3: cost(&plane3),
+        stored: scene.has_normals().then(|| cost(&stored)),
+    };
+    report::result(run.report.json, &report, &lines(&report))
+}
+
+/// The report for people.
+fn lines(report: &Report) -> Lines {
+    let mut lines = Lines::default();
+    lines.row("hits", grouped(report.hits as u64));
+    let kinds = [
+        ("face", &report.face),
+        ("gradient", &report.gradient),
+        ("plane1", &report.plane1),
+        ("plane2", &report.plane2),
+        ("plane3", &report.plane3),
+    ];
+    for (name, cost) in kinds.into_iter().chain(report.stored.as_ref().map(|cost| ("stored", cost))) {
+        lines.row(name, cost.text());
+    }
+    lines
+}

@@ -1,0 +1,146 @@
+//! `voxdag bench` measures what it says: every subject runs, its report has its keys, and what does not depend on the
+//! machine is right.
+
+mod common;
+use common::Sandbox;
+use serde_json::Value;
+
+/// The number at a path (dots go down); it is there, finite and not negative.
+fn number(value: &Value, path: &str) -> f64 {
+    let found = path.split('.').try_fold(value, |v, key| v.get(key));
+    let number = found.and_then(Value::as_f64).unwrap_or_else(|| panic!("no number `{path}` in {value:#}"));
+    assert!(number.is_finite() && number >= 0.0, "{path}: {number}");
+    number
+}
+
+/// Each of the numbers is greater than 0.
+fn positive(value: &Value, paths: &str) {
+    for path in paths.split_whitespace() {
+        assert!(number(value, path) > 0.0, "{path} is 0 in {value:#}");
+    }
+}
+
+/// A floor of 8 x 8, seen from above.
+const FLOOR: &str = "v 0 0 0\nv 8 0 0\nv 8 0 8\nv 0 0 8\nf 4 3 2 1\n";
+/// From 8 above its middle: the picture is as high as the floor is wide at this field of view, and as wide.
+const ABOVE: &str = "--eye 4,8.0625,4 --target 4,0,4 --view-up 0,0,-1 --fov 53.13010235415598";
+
+#[test]
+fn trace_counts_rays_and_hits() {
+    let s = Sandbox::new();
+    s.write("floor.obj", FLOOR);
+    let flags = format!("{ABOVE} --size 64x32 --repeat 2");
+    let json = s.ok(&format!("bench trace floor.obj -r 128 {flags} --json")).json();
+    positive(
+        &json,
+        "primary.mrays_per_s primary.mrays_per_s_min primary.mrays_per_s_max primary_no_top.mrays_per_s \
+         primary_f64.mrays_per_s primary_any.mrays_per_s shadow.mrays_per_s random.mrays_per_s iterations_per_ray \
+         iterations_per_ray_no_top exact_to_f64 any_to_nearest noise top_grid.bytes",
+    );
+    let rate = |key: &str| number(&json, &format!("primary.mrays_per_s{key}"));
+    assert!(rate("_min") <= rate("") && rate("") <= rate("_max"));
+    assert_eq!(number(&json, "primary.rays"), 64.0 * 32.0);
+    // The floor is a square in the middle of a picture that is twice as wide as high: half of the rays.
+    for kind in ["primary", "primary_no_top", "primary_f64", "primary_any"] {
+        assert_eq!(number(&json, &format!("{kind}.hit_fraction")), 0.5, "{kind}");
+    }
+    // Nothing stands between the floor and the light, and a ray that leaves a floor never comes back to it.
+    assert_eq!(number(&json, "shadow.rays"), 64.0 * 16.0);
+    assert_eq!(number(&json, "shadow.hit_fraction"), 0.0);
+    // Of random rays those that head downwards meet the floor at once.
+    assert!((number(&json, "random.hit_fraction") - 0.5).abs() < 0.06, "{json:#}");
+    // The same results with and without the top grid, on any number of threads, from the mesh or from its scene.
+    assert_eq!(json["primary"]["checksum"], json["primary_no_top"]["checksum"]);
+    s.ok("build floor.obj -o floor.vxd -r 128");
+    let scene = s.ok(&format!("bench trace floor.vxd {flags} --threads 2 --json")).json();
+    for key in ["primary", "primary_any", "shadow", "random"] {
+        assert_eq!(json[key]["checksum"], scene[key]["checksum"], "{key}");
+    }
+    assert_eq!(scene["threads"], 2);
+    let text = s.ok(&format!("bench trace floor.vxd {flags}")).stdout;
+    for word in ["primary", "shadow", "random", "Mrays/s", "iterations", "noise"] {
+        assert!(text.contains(word), "no `{word}` in\n{text}");
+    }
+}
+
+const SMALL: &str = "--size 32x24 --repeat 1 --json";
+
+#[test]
+fn normals_of_every_kind() {
+    let s = Sandbox::new();
+    let json = s.ok(&format!("bench normals box.obj -r 64 {SMALL}")).json();
+    positive(&json, "hits face.ns face.ns_min face.ns_max gradient.ns plane1.ns plane2.ns plane3.ns");
+    assert_eq!(json["stored"], Value::Null);
+    assert_ne!(json["face"]["checksum"], json["plane3"]["checksum"]);
+    let json = s.ok(&format!("bench normals box.obj -r 64 --materials table-normals {SMALL}")).json();
+    positive(&json, "stored.ns");
+}
+
+#[test]
+fn materials_of_every_kind() {
+    let s = Sandbox::new();
+    for (materials, kind) in [("none", "single"), ("table", "table"), ("table-normals", "table")] {
+        let json = s.ok(&format!("bench materials box.obj -r 64 --materials {materials} {SMALL}")).json();
+        positive(&json, "voxels hits.ns scattered.ns");
+        assert_eq!(json["kind"], kind);
+        if kind == "table" {
+            let (mean, max) = (number(&json, "probes.mean"), number(&json, "probes.max"));
+            // At half load a look-up reads 1.5 slots on average.
+            assert!((1.4..1.6).contains(&mean) && max >= 2.0, "{mean} {max}");
+        }
+    }
+}
+
+#[test]
+fn build_by_stage() {
+    let s = Sandbox::new();
+    let json = s.ok("bench build box.obj -r 100 --repeat 1 --json").json();
+    positive(
+        &json,
+        "snap_sort.mvoxels_per_s voxelize.mvoxels_per_s reduce.mvoxels_per_s join.mvoxels_per_s total.mvoxels_per_s \
+         voxelize.ms voxelize.ms_min voxelize.ms_max",
+    );
+    assert!(json["materials"]["ms"].is_number());
+    let built = s.ok("build box.obj -o box.vxd -r 100 --json").json();
+    assert_eq!(json["voxels"], built["voxels"]);
+    assert_eq!(s.ok("bench build box.obj --materials none --repeat 1 --json").json()["materials"], Value::Null);
+    s.run("bench build box.vxd").fails(2, &["box.vxd", "is built already"]);
+}
+
+#[test]
+fn accuracy_of_the_textbook_methods() {
+    let s = Sandbox::new();
+    let json = s.ok(&format!("bench accuracy box.obj -r 100 {SMALL}")).json();
+    positive(&json, "overlap.tests overlap.f32.ns overlap.f64.ns overlap.exact.ns tracing.f32.ns tracing.f64.ns");
+    assert_eq!(
+        number(&json, "overlap.voxels"),
+        number(&s.ok("bench build box.obj -r 100 --repeat 1 --json").json(), "voxels")
+    );
+    // Exact on both sides, and f64 misses nothing: its products of snapped coordinates are exact at this size. What is
+    // only touched it marks in addition.
+    for path in ["overlap.exact.wrong", "overlap.f64.missing", "tracing.exact.wrong"] {
+        assert_eq!(number(&json, path), 0.0, "{path}");
+    }
+    assert!(number(&json, "overlap.f64.extra") > 0.0);
+    // The known accuracy of fitted normals.
+    for (kind, below) in [("face", 60.0), ("plane1", 9.0), ("plane2", 4.0), ("plane3", 2.5)] {
+        for shape in ["sphere", "plane", "torus"] {
+            let degrees = number(&json, &format!("normals.{kind}.{shape}"));
+            assert!(degrees > 0.0 && degrees < below, "{kind} {shape}: {degrees}");
+        }
+    }
+    // A scene without its mesh has no triangles to compare.
+    s.ok("build box.obj -o box.vxd -r 100");
+    let json = s.ok(&format!("bench accuracy box.vxd {SMALL}")).json();
+    assert_eq!(json["overlap"], Value::Null);
+}
+
+#[test]
+fn what_cannot_be_measured() {
+    let s = Sandbox::new();
+    s.run("bench trace box.obj -r 16 --eye 9,9,9 --target 10,10,10").fails(2, &["no ray", "--eye"]);
+    s.ok("build box.obj -o box.vxd -r 16");
+    s.run("bench trace box.vxd -r 16").fails(2, &["--resolution", "is built already"]);
+    s.run("bench trace box.obj --repeat 0").fails(2, &["--repeat"]);
+    s.run("bench trace none.obj").fails(3, &["none.obj"]);
+}
