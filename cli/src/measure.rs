@@ -155,8 +155,14 @@ mod tests {
     #[test]
     fn waiting_is_not_work() {
         // A thread that sleeps uses no CPU time.
-        let [slept] =
-            measure(1, [Arm::pieces(1, |_| std::thread::sleep(Duration::from_millis(200)).eq(&()).into())]).unwrap();
+        let [slept] = measure(
+            1,
+            [Arm::pieces(1, |_| {
+                std::thread::sleep(Duration::from_millis(200));
+                0
+            })],
+        )
+        .unwrap();
         assert!(slept.seconds[0] < 0.1, "{}", slept.seconds[0]);
     }
 }

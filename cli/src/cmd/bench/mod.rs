@@ -106,14 +106,14 @@ impl Run {
 
 /// The file to measure on.
 enum Input {
-    Mesh(Source),
+    Mesh(Box<Source>),
     Scene(Vec<u32>),
 }
 
 impl Input {
     fn read(run: &Run) -> Result<Input> {
         match input::read(&run.input, &run.machine())? {
-            Content::Mesh(text) => Ok(Input::Mesh(scene::import_file(&run.input, text)?)),
+            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(&run.input, text)?))),
             Content::Scene(words) => {
                 run.build.must_be_absent(&run.input)?;
                 Ok(Input::Scene(words))
