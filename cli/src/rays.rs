@@ -24,40 +24,40 @@ pub struct Ray {
 pub struct Blocks<R> {
     reader: R,
     bytes: Vec<u8>,
+    /// Bytes that were read and are still there.
+    filled: usize,
     /// Bytes of the block that was handed out; what follows is the begun line.
     taken: usize,
     ended: bool,
 }
 
 impl<R: Read> Blocks<R> {
-    /// From the start of a stream; a byte-order mark counts as blank.
+    /// From the start of a stream.
     pub fn new(reader: R) -> Blocks<R> {
-        Blocks { reader, bytes: Vec::new(), taken: 0, ended: false }
+        Blocks { reader, bytes: vec![0; BLOCK], filled: 0, taken: 0, ended: false }
     }
 
     /// The next lines; the last of a stream may lack its end. `None` after the last. A line that fills a block is cut.
     pub fn next(&mut self) -> std::io::Result<Option<&[u8]>> {
-        self.bytes.drain(..self.taken);
-        self.taken = 0;
-        // What was left over holds no end of line.
-        let mut searched = self.bytes.len();
-        while !self.ended && self.bytes.len() < BLOCK {
-            let filled = self.bytes.len();
-            self.bytes.resize(BLOCK, 0);
-            let read = match self.reader.read(&mut self.bytes[filled..]) {
-                Err(e) if e.kind() == ErrorKind::Interrupted => Ok(None),
-                read => read.map(Some),
+        self.bytes.copy_within(self.taken..self.filled, 0);
+        self.filled -= self.taken;
+        while !self.ended && self.filled < BLOCK {
+            let read = match self.reader.read(&mut self.bytes[self.filled..]) {
+                Err(e) if e.kind() == ErrorKind::Interrupted => continue,
+                read => read?,
             };
-            self.bytes.truncate(filled + read.as_ref().map_or(0, |n| n.unwrap_or(0)));
-            self.ended = read? == Some(0);
-            if let Some(at) = self.bytes[searched..].iter().rposition(|&b| b == b'\n') {
-                self.taken = searched + at + 1;
-                return Ok(Some(&self.bytes[..self.taken]));
+            self.ended = read == 0;
+            // What was left over holds no end of line.
+            let new = &self.bytes[self.filled..][..read];
+            let end = new.iter().rposition(|&b| b == b'\n').map(|at| self.filled + at + 1);
+            self.filled += read;
+            if let Some(end) = end {
+                self.taken = end;
+                return Ok(Some(&self.bytes[..end]));
             }
-            searched = self.bytes.len();
         }
-        self.taken = self.bytes.len();
-        Ok((self.taken > 0).then_some(&self.bytes[..]))
+        self.taken = self.filled;
+        Ok((self.taken > 0).then_some(&self.bytes[..self.taken]))
     }
 }
 

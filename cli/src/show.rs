@@ -30,7 +30,7 @@ pub enum Show {
     Depth,
     /// The empty octree cube before the hit: the brighter, the larger
     Level,
-    /// Rounds of the walk of each ray, hit or not: black, red, yellow, white
+    /// Rounds of the walk of each ray, hit or not: dark is 0, then red, yellow, white
     Iterations,
     /// A colour per material
     Material,
@@ -175,7 +175,7 @@ fn part(value: f32, range: RangeInclusive<f32>) -> f32 {
     if to > from { (value - from) / (to - from) } else { 0.0 }
 }
 
-/// Nearly black, red, yellow, white.
+/// Dark red, red, yellow, white.
 fn heat(part: f32) -> [f32; 3] {
     let x = 0.3 + 2.7 * part;
     [x, x - 1.0, x - 2.0].map(|channel| channel.clamp(0.0, 1.0))

@@ -11,7 +11,7 @@ use crate::input::{self, Content};
 use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
 use crate::output::Output;
 use crate::picture::{self, Picture, Rays, Shown};
-use crate::report::{self, Lines, grouped, number, shell_word, time};
+use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::show::{self, Show, Spread};
 use crate::stats::{self, ms};
@@ -169,11 +169,11 @@ fn lines(report: &Report<'_>) -> Lines {
         .row("effects", effects);
     if let Some(Spread { min, mean, max }) = report.shown {
         let (label, colours) = match report.show {
-            Show::Iterations => ("iterations", "black is 0, red, yellow, white the most"),
-            Show::Level => ("level", "nearly black is 0, red, yellow, white the whole cube"),
+            Show::Iterations => ("iterations", "dark is 0, red, yellow, white the most"),
+            Show::Level => ("level", "dark is 0, red, yellow, white the whole cube"),
             _ => ("depth", "white is the nearest, dark grey the farthest, black nothing"),
         };
-        let [min, mean, max] = [min, mean, max].map(|x| number(f64::from(x as f32)));
+        let [min, mean, max] = [min, mean, max].map(|x| x as f32);
         lines.row(label, format!("{min} to {max}, mean {mean}: {colours}"));
     }
     lines
