@@ -117,7 +117,7 @@ mod kernel {
 
     #[inline(never)]
     pub fn normals(dag: voxdag::Dag<'_>, kind: NormalKind, hits: &[(Hit, [f64; 3])]) -> u64 {
-        hits.iter().map(|(hit, dir)| normal(dag, Single(0), hit, *dir, kind).direction[1].to_bits().into()).sum()
+        hits.iter().map(|(hit, dir)| u64::from(normal(dag, Single(0), hit, *dir, kind).direction[1].to_bits())).sum()
     }
 
     #[inline(never)]
@@ -155,25 +155,25 @@ mod kernel {
 #[divan::bench(args = [Arithmetic::Exact, Arithmetic::F64])]
 fn primary(bencher: Bencher<'_, '_>, arithmetic: Arithmetic) {
     let (tracer, rays) = (SCENE.tracer(), &SCENE.rays);
-    bencher.counter(ItemsCount::of_many(rays)).bench(|| kernel::trace(&tracer, arithmetic, rays));
+    bencher.counter(ItemsCount::new(rays.len())).bench(|| kernel::trace(&tracer, arithmetic, rays));
 }
 
 #[divan::bench]
 fn primary_without_top(bencher: Bencher<'_, '_>) {
     let (tracer, rays) = (Tracer::new(SCENE.dag.dag()), &SCENE.rays);
-    bencher.counter(ItemsCount::of_many(rays)).bench(|| kernel::trace(&tracer, Arithmetic::Exact, rays));
+    bencher.counter(ItemsCount::new(rays.len())).bench(|| kernel::trace(&tracer, Arithmetic::Exact, rays));
 }
 
 #[divan::bench]
 fn shadow(bencher: Bencher<'_, '_>) {
     let (tracer, rays) = (SCENE.tracer(), &SCENE.shadow);
-    bencher.counter(ItemsCount::of_many(rays)).bench(|| kernel::occluded(&tracer, rays));
+    bencher.counter(ItemsCount::new(rays.len())).bench(|| kernel::occluded(&tracer, rays));
 }
 
 #[divan::bench(args = NORMALS)]
 fn normals(bencher: Bencher<'_, '_>, kind: voxdag::normal::NormalKind) {
     let (dag, hits) = (SCENE.dag.dag(), &SCENE.hits);
-    bencher.counter(ItemsCount::of_many(hits)).bench(|| kernel::normals(dag, kind, hits));
+    bencher.counter(ItemsCount::new(hits.len())).bench(|| kernel::normals(dag, kind, hits));
 }
 
 const NORMALS: [voxdag::normal::NormalKind; 5] = {
@@ -184,7 +184,7 @@ const NORMALS: [voxdag::normal::NormalKind; 5] = {
 #[divan::bench]
 fn look_up(bencher: Bencher<'_, '_>) {
     let (table, dag, voxels) = (SCENE.table.as_table(), SCENE.dag.dag(), &SCENE.scattered);
-    bencher.counter(ItemsCount::of_many(voxels)).bench(|| kernel::look_up(table, dag, voxels));
+    bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(table, dag, voxels));
 }
 
 /// Voxels of the scene.

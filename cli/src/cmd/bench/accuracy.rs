@@ -292,9 +292,9 @@ impl Known {
 
 fn normals(run: &Run) -> Result<Normals> {
     let middle = [f64::from(SIDE) / 2.0; 3];
-    let sphere = Known::new(&scenes::sphere(middle, 50.0, 6), move |p| sub(p, middle))?;
+    let sphere = Known::new(&scenes::sphere(middle, 50.0, 5), move |p| sub(p, middle))?;
     let (major, minor) = (40.0, 18.0);
-    let torus = Known::new(&scenes::torus(middle, major, minor, 512, 256), move |p| {
+    let torus = Known::new(&scenes::torus(middle, major, minor, 256, 128), move |p| {
         let [x, y, z] = sub(p, middle);
         let out = sqrt(x * x + y * y);
         [x - x * major / out, y - y * major / out, z]
