@@ -1,12 +1,13 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
-//! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `scene` and `picture` (the core's stages on all cores), `progress`, `report`, `stats` and `error`. No algorithm of the
+//! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags), `memory`
+//! (the limit), `scene` and `picture` (the core's stages on all cores), `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
 mod error;
 mod input;
+mod memory;
 mod options;
 mod ordered;
 mod output;

@@ -19,7 +19,8 @@ use voxdag::trace::{Arithmetic, TopBuf, Tracer};
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::{ArithmeticArg, MachineArgs, NormalsArg, PictureArgs};
+use crate::memory::Memory;
+use crate::options::{ArithmeticArg, NormalsArg, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 
@@ -65,15 +66,11 @@ const BAND: usize = 4;
 const TOP_BITS: u8 = 5;
 
 /// Draws on the threads of the current pool.
-pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Picture> {
+pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Picture> {
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
     let needed = 8 * u64::from(width) * u64::from(height);
-    machine.afford(
-        needed,
-        &format!("a picture of {width}x{height}"),
-        "make --size smaller or --memory-limit larger",
-    )?;
+    memory.afford(needed, &format!("a picture of {width}x{height}"), "make --size smaller or --memory-limit larger")?;
     let mut pixels = Vec::new();
     pixels.try_reserve_exact(width as usize * height as usize).map_err(|_| {
         Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))

@@ -74,22 +74,24 @@ pub fn run(args: &Args) -> Result<()> {
     let output = Output::create(&args.output, "png")?;
     output.must_not_replace(std::slice::from_ref(&args.input))?;
     let pool = args.machine.pool()?;
+    let mut memory = args.machine.memory();
 
-    let (picture, grid, is_scene) = match input::read(&args.input, &args.machine)? {
+    let (picture, grid, is_scene) = match input::read(&args.input, &mut memory)? {
         Content::Scene(words) => {
             if let Some(flag) = args.build.given() {
                 return Err(Error::usage(format_args!("{flag}: {} is built already", args.input.display()))
                     .hint("leave the flag away, or name the mesh instead of the scene"));
             }
             let scene = scene::open(&args.input, &words)?;
-            (pool.install(|| picture::draw(&Shown::of(&scene), &args.picture, &args.machine))?, scene.grid, true)
+            (pool.install(|| picture::draw(&Shown::of(&scene), &args.picture, &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
-            let source = scene::import_file(&args.input, text)?;
+            let source = scene::import_file(&args.input, text, &mut memory)?;
             output.must_not_replace(&source.files)?;
-            let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
+            let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
+            memory.release(source.bytes);
             drop(source);
-            (pool.install(|| picture::draw(&built.shown(), &args.picture, &args.machine))?, built.grid, false)
+            (pool.install(|| picture::draw(&built.shown(), &args.picture, &memory))?, built.grid, false)
         }
     };
     output.finish(|file| picture.write_png(file))?;
