@@ -49,9 +49,7 @@ pub struct Source {
 /// Parses the text of the mesh at `path`, which is held, with the files beside it. The mesh is held in its stead.
 pub fn import_file(path: &Path, text: Vec<u8>, memory: &mut Memory) -> Result<Source> {
     let before = memory.held() - text.len() as u64;
-    let needed = import_bytes(&text);
-    let hint = format!("set --memory-limit to at least {}", round_up(memory.held() + needed));
-    memory.afford(needed, &format!("parsing {}", path.display()), &hint)?;
+    afford_import(path, &text, memory)?;
     let mut beside = Companions::of(path, memory);
     let source = import(path, &text, |name| beside.resolve(name));
     let files = beside.finish()?;
@@ -60,6 +58,13 @@ pub fn import_file(path: &Path, text: Vec<u8>, memory: &mut Memory) -> Result<So
     memory.release(memory.held() - before);
     memory.hold(source.bytes);
     Ok(source)
+}
+
+/// Refuses a mesh that could not be parsed within the limit.
+pub fn afford_import(path: &Path, text: &[u8], memory: &Memory) -> Result<()> {
+    let needed = import_bytes(text);
+    let hint = format!("set --memory-limit to at least {}", round_up(memory.held() + needed));
+    memory.afford(needed, &format!("parsing {}", path.display()), &hint)
 }
 
 /// About how many bytes parsing takes beside the text: measured, 3 for each of the text, and 40 to 120 a corner of a face.

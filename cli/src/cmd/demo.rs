@@ -63,6 +63,8 @@ pub fn run(args: &Args) -> Result<()> {
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
     let (text, library) = (demo::obj(), demo::mtl());
+    memory.hold((text.len() + library.len()) as u64);
+    scene::afford_import(Path::new("demo"), text.as_bytes(), &memory)?;
     let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
         (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
     })?;
