@@ -49,13 +49,13 @@ check_fuzz_builds() {
 
 # The README's first command writes the README's picture, byte for byte, into the current folder.
 check_demo() {
-    local command='cargo run --release -- demo' folder
+    local command='cargo run --release -- demo' folder manifest
     in_readme "$command"
     folder=$(mktemp -d)
     trap "rm -rf '$folder'" EXIT
     (export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
      manifest=$PWD/Cargo.toml
-     cd "$folder" && ${command/ -- / --locked --manifest-path "$manifest" -- })
+     cd "$folder" && ${command% -- *} --locked --manifest-path "$manifest" -- ${command##* -- })
     cmp "$folder/voxdag-demo.png" docs/demo.png || {
         echo "the demo's picture has changed: look at it, then keep it as docs/demo.png" >&2
         exit 1

@@ -9,6 +9,8 @@
 use std::fmt::Display;
 use std::path::Path;
 
+use crate::report::visible;
+
 /// What went wrong, in the classes that the exit code tells apart.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Kind {
@@ -63,11 +65,16 @@ impl Error {
         self
     }
 
+    /// What went wrong, without the advice.
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
     /// Prints message and hint to stderr and gives the exit code.
     pub fn report(&self) -> i32 {
-        eprintln!("error: {}", self.message);
+        eprintln!("error: {}", visible(&self.message));
         if let Some(hint) = &self.hint {
-            eprintln!("  hint: {hint}");
+            eprintln!("  hint: {}", visible(hint));
         }
         self.kind as i32
     }

@@ -6,8 +6,8 @@ use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::MachineArgs;
-use crate::report::shell_word;
+use crate::memory::Memory;
+use crate::report::{self, shell_word};
 
 /// A file's content.
 pub enum Content {
@@ -17,15 +17,21 @@ pub enum Content {
     Mesh(Vec<u8>),
 }
 
-/// Reads a file that may be a mesh or a scene.
-pub fn read(path: &Path, machine: &MachineArgs) -> Result<Content> {
-    let (mut file, length) = open(path)?;
-    machine.afford(length, &path.display().to_string(), "raise --memory-limit")?;
+/// Reads a file that may be a mesh or a scene, and holds its bytes.
+pub fn read(path: &Path, memory: &mut Memory) -> Result<Content> {
+    let (file, length) = open(path)?;
+    // A device or a pipe has no length beforehand, and a file may grow: no more is read than may be held.
+    let most = memory.left().unwrap_or(u64::MAX - 1);
+    over(path, length, memory)?;
+    let mut file = file.take(most + 1);
     let mut head = [0; 4];
     let read = read_up_to(&mut file, &mut head).map_err(|e| unreadable(path, &e))?;
     let magic = u32::from_le_bytes(head);
     if read == 4 && (magic == voxdag::file::MAGIC || magic.swap_bytes() == voxdag::file::MAGIC) {
-        return words(path, file, length, magic).map(Content::Scene);
+        let words = words(path, file, length, magic)?;
+        over(path, 4 * words.len() as u64, memory)?;
+        memory.hold(4 * words.len() as u64);
+        return Ok(Content::Scene(words));
     }
     if has_extension(path, "vxd") {
         return Err(Error::input(path, "is not a voxdag scene: it does not start with the mark of one")
@@ -41,17 +47,24 @@ pub fn read(path: &Path, machine: &MachineArgs) -> Result<Content> {
     bytes.try_reserve_exact(length as usize).map_err(|_| too_large(path, length))?;
     bytes.extend_from_slice(&head[..read]);
     file.read_to_end(&mut bytes).map_err(|e| unreadable(path, &e))?;
+    over(path, bytes.len() as u64, memory)?;
+    memory.hold(bytes.len() as u64);
     Ok(Content::Mesh(bytes))
+}
+
+/// Refuses a file of so many bytes if it is over the limit.
+fn over(path: &Path, bytes: u64, memory: &Memory) -> Result<()> {
+    memory.afford(bytes, &path.display().to_string(), "raise --memory-limit")
 }
 
 /// Reads a file that must be a scene.
 pub fn read_scene(path: &Path) -> Result<Vec<u32>> {
-    read_scene_within(path, &MachineArgs::default())
+    read_scene_within(path, &mut Memory::new(None))
 }
 
 /// The same within a limit of memory.
-pub fn read_scene_within(path: &Path, machine: &MachineArgs) -> Result<Vec<u32>> {
-    match read(path, machine)? {
+pub fn read_scene_within(path: &Path, memory: &mut Memory) -> Result<Vec<u32>> {
+    match read(path, memory)? {
         Content::Scene(words) => Ok(words),
         Content::Mesh(_) => Err(Error::input(path, "is not a voxdag scene").hint(format_args!(
             "make one of a mesh with `voxdag build {} -o {}`",
@@ -62,8 +75,8 @@ pub fn read_scene_within(path: &Path, machine: &MachineArgs) -> Result<Vec<u32>>
 }
 
 /// Reads a file that must be a mesh.
-pub fn read_mesh(path: &Path, machine: &MachineArgs) -> Result<Vec<u8>> {
-    match read(path, machine)? {
+pub fn read_mesh(path: &Path, memory: &mut Memory) -> Result<Vec<u8>> {
+    match read(path, memory)? {
         Content::Mesh(bytes) => Ok(bytes),
         Content::Scene(_) => Err(Error::input(path, "is built already")
             .hint(format_args!("look at it with `voxdag info {}`", shell_word(path)))),
@@ -71,24 +84,56 @@ pub fn read_mesh(path: &Path, machine: &MachineArgs) -> Result<Vec<u8>> {
 }
 
 /// Finds the files that a mesh names, relative to the mesh's own folder, and remembers which were read.
-pub struct Companions {
+pub struct Companions<'a> {
     folder: PathBuf,
+    memory: &'a mut Memory,
     /// Every file that was read so far.
-    pub read: Vec<PathBuf>,
+    read: Vec<PathBuf>,
+    /// Why the run cannot go on.
+    failure: Option<Error>,
 }
 
-impl Companions {
+impl Companions<'_> {
     /// Of the mesh at `path`.
-    pub fn of(path: &Path) -> Companions {
-        Companions { folder: path.parent().unwrap_or(Path::new("")).to_path_buf(), read: vec![path.to_path_buf()] }
+    pub fn of<'a>(path: &Path, memory: &'a mut Memory) -> Companions<'a> {
+        let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        Companions { folder, memory, read: vec![path.to_path_buf()], failure: None }
     }
 
-    /// The content of `name`, its folders apart by `/`; `None` if there is no such file.
+    /// The content of `name`, its folders apart by `/`; `None` if there is no such file. A file that is there and cannot
+    /// be read counts as empty, with a warning of its own.
     pub fn resolve(&mut self, name: &str) -> Option<Vec<u8>> {
         let path = self.folder.join(name);
-        let bytes = std::fs::read(&path).ok()?;
-        self.read.push(path);
-        Some(bytes)
+        // Asked before it is opened: opening a pipe would wait for its other end.
+        let content = std::fs::metadata(&path).and_then(|found| {
+            if !found.is_file() {
+                return Err(std::io::Error::other("it is not a regular file"));
+            }
+            let mut bytes = Vec::new();
+            let most = self.memory.left().unwrap_or(u64::MAX - 1);
+            File::open(&path)?.take(most + 1).read_to_end(&mut bytes)?;
+            Ok(bytes)
+        });
+        match content {
+            Ok(bytes) => {
+                self.failure = self.failure.take().or(over(&path, bytes.len() as u64, self.memory).err());
+                self.memory.hold(bytes.len() as u64);
+                self.read.push(path);
+                Some(bytes)
+            }
+            // `NotADirectory`: a part of the path is a file.
+            Err(cause) if matches!(cause.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => None,
+            Err(cause) => {
+                let what = "what it would define is drawn grey";
+                report::warning(format_args!("{}: cannot read: {cause}; {what}", path.display()));
+                Some(Vec::new())
+            }
+        }
+    }
+
+    /// The files that were read, or why the run cannot go on.
+    pub fn finish(self) -> Result<Vec<PathBuf>> {
+        self.failure.map_or(Ok(self.read), Err)
     }
 }
 
@@ -118,7 +163,7 @@ fn has_extension(path: &Path, extension: &str) -> bool {
 }
 
 /// Fills the buffer as far as the file reaches.
-fn read_up_to(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
+fn read_up_to(file: &mut impl Read, buffer: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < buffer.len() {
         match file.read(&mut buffer[filled..]) {
@@ -132,7 +177,7 @@ fn read_up_to(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
 }
 
 /// The rest of a scene's words, piece by piece, so that its bytes are never all there beside them.
-fn words(path: &Path, mut file: File, length: u64, first: u32) -> Result<Vec<u32>> {
+fn words(path: &Path, mut file: impl Read, length: u64, first: u32) -> Result<Vec<u32>> {
     let mut words = Vec::new();
     words.try_reserve_exact((length / 4) as usize).map_err(|_| too_large(path, length))?;
     words.push(first);
@@ -141,11 +186,8 @@ fn words(path: &Path, mut file: File, length: u64, first: u32) -> Result<Vec<u32
         let read = read_up_to(&mut file, &mut piece).map_err(|e| unreadable(path, &e))?;
         words.extend(piece[..read].chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])));
         if read % 4 != 0 {
-            return Err(Error::input(
-                path,
-                format_args!("is cut short: its length of {length} bytes is no multiple of 4"),
-            )
-            .hint("copy or build it again"));
+            return Err(Error::input(path, "is cut short: its length in bytes is no multiple of 4")
+                .hint("copy or build it again"));
         }
         if read < piece.len() {
             return Ok(words);

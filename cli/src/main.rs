@@ -1,8 +1,8 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `scene`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other programs' files),
-//! `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
+//! `memory` (the limit), `scene`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
+//! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
@@ -11,6 +11,7 @@ mod formats;
 mod hexfloat;
 mod input;
 mod measure;
+mod memory;
 mod options;
 mod ordered;
 mod output;

@@ -10,14 +10,15 @@ use voxdag::render::Samples;
 use voxdag::trace::Arithmetic;
 
 use crate::error::{Error, Kind};
-use crate::report::{number as number_text, size};
+use crate::memory::Memory;
+use crate::report::number as number_text;
 
 /// How the mesh becomes voxels.
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Building")]
 pub struct BuildArgs {
     /// Voxels along the longest axis, 1 to 2097152 [default: 512]
-    #[arg(short, long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 21))]
+    #[arg(short, long, value_name = "N", value_parser = resolution, allow_negative_numbers = true)]
     pub resolution: Option<u32>,
 
     /// Side of a voxel in the mesh's units, instead of a resolution
@@ -128,7 +129,7 @@ pub enum UpAxisArg {
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Picture")]
 pub struct CameraArgs {
-    /// Where the camera stands [default: in front, to the right and above, so that all is in view]
+    /// Where the camera stands [default: in front, to the right and above, twice half the box's diagonal away]
     #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
     pub eye: Option<[f64; 3]>,
 
@@ -137,7 +138,9 @@ pub struct CameraArgs {
     pub target: Option<[f64; 3]>,
 
     /// Which way is up in the picture [default: the up axis]
-    #[arg(long, value_name = "X,Y,Z", value_parser = triple, allow_hyphen_values = true)]
+    ///
+    /// If the view runs along it, the axis that is farthest from the view is up, z before y before x.
+    #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub view_up: Option<[f64; 3]>,
 
     /// Vertical field of view in degrees, above 0 and below 180
@@ -150,7 +153,7 @@ pub struct CameraArgs {
 #[command(next_help_heading = "Picture")]
 pub struct PictureArgs {
     /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size, allow_hyphen_values = true)]
     pub size: [u32; 2],
 
     #[command(flatten)]
@@ -169,7 +172,7 @@ pub struct PictureArgs {
     pub normals: NormalsArg,
 
     /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64 [default: 4]
-    #[arg(long, value_name = "N", value_parser = samples)]
+    #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     pub samples: Option<Samples>,
 
     /// How rays are followed
@@ -248,33 +251,30 @@ impl ArithmeticArg {
 #[command(next_help_heading = "Machine")]
 pub struct MachineArgs {
     /// Threads to work with [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = threads, allow_negative_numbers = true)]
     pub threads: Option<u16>,
 
     /// Most memory to take, such as 512M, 4G or 1.5GiB; a run that needs more stops before it takes it
-    #[arg(long, value_name = "SIZE", value_parser = memory_size)]
+    ///
+    /// Counted are, as far as they are held together: the files that are read; about what parsing a mesh takes; the
+    /// mesh; what building takes (sorted triangles, owners of voxels, DAG, material table); the scene; and the
+    /// picture (8 bytes a pixel). The program itself is not counted: a few MiB.
+    #[arg(long, value_name = "SIZE", verbatim_doc_comment, value_parser = memory_size, allow_hyphen_values = true)]
     pub memory_limit: Option<u64>,
 }
 
 impl MachineArgs {
+    /// The account of `--memory-limit`.
+    pub fn memory(&self) -> Memory {
+        Memory::new(self.memory_limit)
+    }
+
     /// The threads that the run works on.
     pub fn pool(&self) -> Result<rayon::ThreadPool, Error> {
         rayon::ThreadPoolBuilder::new()
             .num_threads(self.threads.unwrap_or(0).into())
             .build()
             .map_err(|cause| Error::new(Kind::Failure, cause).hint("try fewer --threads"))
-    }
-
-    /// Refuses to take `needed` bytes if that is over the limit; `what` names what they are for.
-    pub fn afford(&self, needed: u64, what: &str, hint: &str) -> Result<(), Error> {
-        match self.memory_limit {
-            Some(limit) if needed > limit => Err(Error::new(
-                Kind::Limit,
-                format_args!("{what} needs {needed} bytes ({}), the limit is {limit} ({})", size(needed), size(limit)),
-            )
-            .hint(hint)),
-            _ => Ok(()),
-        }
     }
 }
 
@@ -308,7 +308,8 @@ fn linear(parts: &[f64]) -> Result<[f32; 3], String> {
     for (to, &from) in color.iter_mut().zip(parts) {
         *to = from as f32;
         if from < 0.0 || !to.is_finite() {
-            return Err(format!("a colour of {from}: expected 0 (none), 1 (full) or more"));
+            let from = number_text(from);
+            return Err(format!("a colour of {from}: expected 0 (none), 1 (full) or more, at most 3.4e38"));
         }
     }
     Ok(color)
@@ -338,6 +339,23 @@ fn positive(text: &str) -> Result<f64, String> {
 fn field_of_view(text: &str) -> Result<f64, String> {
     let x = number(text)?;
     if x > 0.0 && x < 180.0 { Ok(x) } else { Err("expected degrees above 0 and below 180".to_owned()) }
+}
+
+fn direction(text: &str) -> Result<[f64; 3], String> {
+    match triple(text)? {
+        [0.0, 0.0, 0.0] => Err("expected a direction, such as 0,1,0: it cannot be 0,0,0".to_owned()),
+        v => Ok(v),
+    }
+}
+
+fn resolution(text: &str) -> Result<u32, String> {
+    let found = text.parse().ok().filter(|n| (1..=1 << 21).contains(n));
+    found.ok_or_else(|| "expected a whole number from 1 to 2097152".to_owned())
+}
+
+fn threads(text: &str) -> Result<u16, String> {
+    let found = text.parse().ok().filter(|n| (1..=1024).contains(n));
+    found.ok_or_else(|| "expected a whole number from 1 to 1024".to_owned())
 }
 
 fn samples(text: &str) -> Result<Samples, String> {

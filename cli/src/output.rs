@@ -108,6 +108,8 @@ pub struct Output {
     path: PathBuf,
     /// Where it goes: `path`, with a symbolic link followed.
     place: PathBuf,
+    /// Of the file that is there already.
+    rights: Option<std::fs::Permissions>,
 }
 
 impl Output {
@@ -118,9 +120,8 @@ impl Output {
                 .hint(format_args!("try -o {}", crate::report::shell_word(&path.with_extension(extension)))));
         }
         let place = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-        if let Ok(found) = std::fs::metadata(&place)
-            && !found.is_file()
-        {
+        let found = std::fs::metadata(&place).ok();
+        if found.as_ref().is_some_and(|found| !found.is_file()) {
             return Err(Error::write(path, "it is there already and is not a regular file"));
         }
         let folder = match place.parent() {
@@ -138,10 +139,13 @@ impl Output {
         let mut files = half_written();
         let file = builder.tempfile_in(folder).map_err(|cause| {
             let error = Error::write(path, cause.kind());
-            if folder.is_dir() { error } else { error.hint(format_args!("create {} first", folder.display())) }
+            match folder.is_dir() {
+                true => error.hint("choose another folder with -o"),
+                false => error.hint(format_args!("create {} first", folder.display())),
+            }
         })?;
         files.push(file.path().to_path_buf());
-        Ok(Output { file, path: path.to_path_buf(), place })
+        Ok(Output { file, path: path.to_path_buf(), place, rights: found.map(|found| found.permissions()) })
     }
 
     /// Refuses to replace any of the `inputs`, also through links or another spelling of the path.
@@ -159,13 +163,18 @@ impl Output {
 
     /// Writes the content, and puts the file into its place.
     pub fn finish<E: Into<Stop>>(self, write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>) -> Result<()> {
-        let failed = |cause: std::io::Error| Error::write(&self.path, cause);
+        let failed = |cause: std::io::Error| {
+            Error::write(&self.path, cause).hint("make room there, or choose another folder with -o")
+        };
         let mut writer = BufWriter::new(self.file.as_file());
         write(&mut writer).map_err(|stop| match stop.into() {
             Stop::Write(cause) => failed(cause),
             Stop::Refused(error) => error,
         })?;
         writer.into_inner().map_err(|e| failed(e.into_error()))?;
+        if let Some(rights) = self.rights {
+            self.file.as_file().set_permissions(rights).map_err(failed)?;
+        }
         let temporary = self.file.path().to_path_buf();
         let mut files = half_written();
         self.file.persist(&self.place).map_err(|e| Error::write(&self.path, e.error))?;

@@ -18,7 +18,8 @@ use voxdag::trace::Tracer;
 use voxdag::{Dag, Grid, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::options::{CameraArgs, MachineArgs, PictureArgs};
+use crate::memory::Memory;
+use crate::options::{CameraArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::scene;
@@ -62,10 +63,10 @@ pub struct Shown<'a> {
 const BAND: usize = 4;
 
 /// Draws on the threads of the current pool.
-pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Picture> {
+pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Picture> {
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
-    let mut pixels = room(args.size, 8, machine)?;
+    let mut pixels = room(args.size, 8, memory)?;
 
     let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
@@ -102,13 +103,9 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Res
 }
 
 /// Room for a number per pixel; each pixel will need `bytes` in all.
-pub fn room<T: Copy + Default>([width, height]: [u32; 2], bytes: u64, machine: &MachineArgs) -> Result<Vec<T>> {
+pub fn room<T: Copy + Default>([width, height]: [u32; 2], bytes: u64, memory: &Memory) -> Result<Vec<T>> {
     let needed = bytes * u64::from(width) * u64::from(height);
-    machine.afford(
-        needed,
-        &format!("a picture of {width}x{height}"),
-        "make --size smaller or --memory-limit larger",
-    )?;
+    memory.afford(needed, &format!("a picture of {width}x{height}"), "make --size smaller or --memory-limit larger")?;
     let (pixels, mut room) = (width as usize * height as usize, Vec::new());
     room.try_reserve_exact(pixels).map_err(|_| {
         Error::new(Kind::Failure, format_args!("no memory for a picture of {width}x{height}: {needed} bytes"))

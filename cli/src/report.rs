@@ -21,8 +21,9 @@ impl Lines {
 
     /// The rows below each other, their values aligned.
     fn text(&self) -> String {
-        let width = self.0.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
-        self.0.iter().map(|(label, value)| format!("{label:width$}  {value}").trim_end().to_owned() + "\n").collect()
+        let width = self.0.iter().map(|(label, _)| visible(label).chars().count()).max().unwrap_or(0);
+        let line = |label: &str, value: &str| format!("{label:width$}  {value}").trim_end().to_owned() + "\n";
+        self.0.iter().map(|(label, value)| line(&visible(label), &visible(value))).collect()
     }
 }
 
@@ -51,14 +52,23 @@ pub fn print(text: &[u8]) -> Result<()> {
 
 /// Prints a warning: the run goes on.
 pub fn warning(message: impl std::fmt::Display) {
-    eprintln!("warning: {message}");
+    eprintln!("warning: {}", visible(&message.to_string()));
 }
 
 /// Prints the next command to type: `arguments` follow the program's name, paths as [`shell_word`] gives them.
 pub fn next(arguments: impl std::fmt::Display) {
     // An empty line sets it apart from the result where both end up on one screen.
     let gap = if std::io::stdout().is_terminal() && std::io::stderr().is_terminal() { "\n" } else { "" };
-    eprintln!("{gap}next: {} {arguments}", program());
+    eprintln!("{gap}next: {}", visible(&format!("{} {arguments}", program())));
+}
+
+/// The text with its control characters escaped: names in files must not steer the terminal.
+pub fn visible(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() { out.extend(c.escape_debug()) } else { out.push(c) }
+    }
+    out
 }
 
 /// The arguments of this run as they must be typed.
@@ -125,13 +135,13 @@ pub fn time(ms: f64) -> String {
 
 /// A number with the digits that bring the same bits back.
 pub fn number(x: f64) -> String {
-    if x == 0.0 || (1e-9..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
+    if x == 0.0 || (1e-4..1e16).contains(&x.abs()) { x.to_string() } else { format!("{x:e}") }
 }
 
 /// How much sharing saves: nodes of the octree, and unique nodes of the DAG.
 pub fn sharing(octree: u64, dag: u64) -> String {
     let percent = if octree == 0 { 100.0 } else { 100.0 * dag as f64 / octree as f64 };
-    format!("octree {} -> DAG {} ({percent:.2} %)", grouped(octree), grouped(dag))
+    format!("octree {} -> DAG {} ({percent:.2} %), bricks included", grouped(octree), grouped(dag))
 }
 
 /// The peak of memory, where the system says it.
@@ -164,6 +174,14 @@ mod tests {
             assert_eq!(number(x).parse(), Ok(x));
             assert!(number(x).len() < 28, "{}", number(x));
         }
+    }
+
+    #[test]
+    fn control_characters_are_shown_and_nothing_else_is_changed() {
+        assert_eq!(visible("a\x1b[31m\n\u{9b}'\"\\ö"), "a\\u{1b}[31m\\n\\u{9b}'\"\\ö");
+        let mut lines = Lines::default();
+        lines.row("a\tb", "c\rd");
+        assert_eq!(lines.text(), "a\\tb  c\\rd\n");
     }
 
     #[test]

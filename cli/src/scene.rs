@@ -21,7 +21,8 @@ use voxdag::{Dag, Material, Mesh};
 
 use crate::error::{Error, Kind, Result};
 use crate::input::Companions;
-use crate::options::{BuildArgs, CoverArg, MachineArgs, MaterialsArg, UpAxisArg};
+use crate::memory::{Memory, round_up};
+use crate::options::{BuildArgs, CoverArg, MaterialsArg, UpAxisArg};
 use crate::ordered::in_order;
 use crate::picture::Shown;
 use crate::progress::Progress;
@@ -42,14 +43,36 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Time to parse it.
     parse_time: Duration,
+    /// Bytes of the model.
+    pub bytes: u64,
 }
 
-/// Parses the text of the mesh at `path`, with the files beside it.
-pub fn import_file(path: &Path, text: Vec<u8>) -> Result<Source> {
-    let mut beside = Companions::of(path);
-    let mut source = import(path, &text, |name| beside.resolve(name))?;
-    source.files = beside.read;
+/// Parses the text of the mesh at `path`, which is held, with the files beside it. The mesh is held in its stead.
+pub fn import_file(path: &Path, text: Vec<u8>, memory: &mut Memory) -> Result<Source> {
+    let before = memory.held() - text.len() as u64;
+    afford_import(path, &text, memory)?;
+    let mut beside = Companions::of(path, memory);
+    let source = import(path, &text, |name| beside.resolve(name));
+    let files = beside.finish()?;
+    let source = Source { files, ..source? };
+    drop(text);
+    memory.release(memory.held() - before);
+    memory.hold(source.bytes);
     Ok(source)
+}
+
+/// Refuses a mesh that could not be parsed within the limit.
+pub fn afford_import(path: &Path, text: &[u8], memory: &Memory) -> Result<()> {
+    let needed = import_bytes(text);
+    let hint = format!("set --memory-limit to at least {}", round_up(memory.held() + needed));
+    memory.afford(needed, &format!("parsing {}", path.display()), &hint)
+}
+
+/// About how many bytes parsing takes beside the text: measured, 3 for each of the text, and 40 to 120 a corner of a face.
+fn import_bytes(text: &[u8]) -> u64 {
+    let faces = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii_start).filter(|line| line.starts_with(b"f"));
+    let corners: usize = faces.map(|line| line.iter().filter(|byte| byte.is_ascii_whitespace()).count()).sum();
+    3 * text.len() as u64 + 120 * corners as u64
 }
 
 /// Parses the text of a mesh; `resolve` gives the files that it names. Warnings go to stderr.
@@ -65,7 +88,8 @@ pub fn import(path: &Path, text: &[u8], resolve: impl FnMut(&str) -> Option<Vec<
         let more = model.warnings.len() - MAX_WARNINGS;
         report::warning(format_args!("{}: and {more} more", path.display()));
     }
-    Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time })
+    let bytes = bytes_of(&model.mesh());
+    Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time, bytes })
 }
 
 /// Lays the grid out as the flags say.
@@ -158,24 +182,35 @@ pub fn options(args: &BuildArgs, memory_limit: Option<u64>) -> Options {
             MaterialsArg::None => MaterialMode::None,
         },
         memory_limit,
+        parts_at_once: rayon::current_num_threads(),
     }
 }
 
-/// Builds the scene on the threads of the current pool.
-pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result<Built> {
+/// Builds the scene on the threads of the current pool, and holds it.
+pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<Built> {
     let mesh = source.model.mesh();
     let bounds = mesh.validate().map_err(|error| refused(source, SceneError::Voxelize(VoxelizeError::Mesh(error))))?;
     let grid = grid(&bounds, args).map_err(|error| grid_error(source, error))?;
     contains(source, &grid, &bounds)?;
-    let held = bytes_of(&mesh);
+    let left = memory.left();
+    let account = &*memory;
     let refused = |error| match error {
-        SceneError::Limit { needed, .. } => over_limit(source, machine, &grid, needed + held),
-        SceneError::Reduce(BuildError::Words { needed }) => over_limit(source, machine, &grid, 4 * needed + held),
+        SceneError::Limit { needed, enough, coarser, .. } => {
+            over_limit(source, account, needed, enough, coarser.then_some(&grid))
+        }
+        SceneError::Reduce(BuildError::Words { .. }) => {
+            let what = format!("{} at resolution {}", source.path.display(), grid.resolution);
+            Error::new(Kind::Limit, format_args!("{what} has more nodes than a file can number")).hint(advice(
+                source,
+                &grid,
+                "make the mesh smaller",
+            ))
+        }
         error => refused(source, error),
     };
 
     // Sort the triangles into parts, build the parts on all threads and join them as they come.
-    let options = options(args, machine.memory_limit.map(|limit| limit.saturating_sub(held)));
+    let options = options(args, left);
     let start = Instant::now();
     let build = Build::new(&mesh, &grid, &options).map_err(refused)?;
     let mut join = build.join().map_err(refused)?;
@@ -212,6 +247,10 @@ pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result
         None => (vec![Material::GREY], vec!["grey".to_owned()]),
     };
 
+    drop(pending);
+    let stats = count(dag.dag())?;
+    let table_words = table.as_ref().map_or(0, |table| table.as_table().words().len());
+    memory.hold(4 * (dag.words().len() + table_words) as u64);
     Ok(Built {
         grid,
         bounds,
@@ -219,7 +258,7 @@ pub fn build(source: &Source, args: &BuildArgs, machine: &MachineArgs) -> Result
             UpAxisArg::Y => UpAxis::Y,
             UpAxisArg::Z => UpAxis::Z,
         },
-        stats: count(dag.dag())?,
+        stats,
         dag,
         table,
         materials,
@@ -356,21 +395,24 @@ fn grid_error(source: &Source, error: GridError) -> Error {
     }
 }
 
-fn over_limit(source: &Source, machine: &MachineArgs, grid: &Grid, needed: u64) -> Error {
-    let what = format!("{} at resolution {}", source.path.display(), grid.resolution);
-    let coarser = (grid.resolution / 2).max(1);
-    match machine.afford(needed, &what, &format!("try -r {coarser}, or --memory-limit {}", round_up(needed))) {
-        Err(error) => error,
-        // The format itself ends here, not the memory.
-        Ok(()) => Error::new(Kind::Limit, format_args!("{what} has more nodes than a file can number"))
-            .hint(format_args!("try -r {coarser}")),
-    }
+/// The memory limit is passed; `grid` where a coarser one needs less.
+fn over_limit(source: &Source, memory: &Memory, needed: u64, enough: u64, grid: Option<&Grid>) -> Error {
+    let limit = format!("--memory-limit {}", round_up(memory.held().saturating_add(enough)));
+    let (what, hint) = match grid {
+        Some(grid) => {
+            (format!("{} at resolution {}", source.path.display(), grid.resolution), advice(source, grid, &limit))
+        }
+        None => (format!("the mesh {}", source.path.display()), format!("try {limit}")),
+    };
+    memory.afford(needed, &what, &hint).err().unwrap_or_else(|| Error::new(Kind::Limit, what).hint(hint))
 }
 
-/// A size as it can be typed, a quarter larger.
-fn round_up(bytes: u64) -> String {
-    let mebibytes = (bytes + bytes / 4).div_ceil(1 << 20);
-    if mebibytes < 4096 { format!("{mebibytes}M") } else { format!("{}G", mebibytes.div_ceil(1024)) }
+/// What to try: a coarser grid where the user can choose it, or what else there is.
+fn advice(source: &Source, grid: &Grid, otherwise: &str) -> String {
+    if source.files.is_empty() {
+        return format!("try {otherwise}");
+    }
+    format!("try -r {}, or {otherwise}", (grid.resolution / 2).max(1))
 }
 
 /// Why the core builds nothing, in this program's words.

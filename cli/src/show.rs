@@ -14,7 +14,8 @@ use voxdag::render::{Counters, each_pixel};
 use voxdag::trace::{Face, Hit, Query, Tracer};
 
 use crate::error::{Error, Result};
-use crate::options::{MachineArgs, PictureArgs};
+use crate::memory::Memory;
+use crate::options::PictureArgs;
 use crate::picture::{self, Picture, Rays, Shown};
 use crate::scene;
 
@@ -45,12 +46,7 @@ pub struct Spread {
 }
 
 /// Draws anything but [`Show::Shaded`] on the threads of the current pool; the numbers, where there are some.
-pub fn draw(
-    shown: &Shown<'_>,
-    args: &PictureArgs,
-    show: Show,
-    machine: &MachineArgs,
-) -> Result<(Picture, Option<Spread>)> {
+pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) -> Result<(Picture, Option<Spread>)> {
     if args.samples.is_some() {
         return Err(Error::usage("--samples: a picture that is not shaded has one ray per pixel")
             .hint("leave --samples or --show away"));
@@ -58,7 +54,7 @@ pub fn draw(
     let start = Instant::now();
     let (dag, normals) = (shown.dag, args.normals.kind(&shown.materials)?);
     // Pixels, the encoder's bytes, and the numbers.
-    let mut pixels = picture::room(args.size, 12, machine)?;
+    let mut pixels = picture::room(args.size, 12, memory)?;
     let mut values = Vec::new();
     let counters = match show {
         Show::Normals => look(shown, args, &mut pixels, |query, hit, _| match hit {
@@ -71,7 +67,7 @@ pub fn draw(
             hit.map_or(BLACK, |hit| material_colour(shown.materials.id(dag, hit.voxel)))
         })?,
         _ => {
-            values = picture::room(args.size, 12, machine)?;
+            values = picture::room(args.size, 12, memory)?;
             look(shown, args, &mut values, |query, hit, rounds| match show {
                 Show::Level => hit.map_or(f32::INFINITY, |hit| level(shown, hit).into()),
                 Show::Iterations => rounds as f32,
@@ -100,9 +96,9 @@ pub fn draw(
 
 /// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is
 /// nothing.
-pub fn depths(shown: &Shown<'_>, args: &PictureArgs, machine: &MachineArgs) -> Result<Vec<f32>> {
+pub fn depths(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<f32>> {
     // The picture is there as well.
-    let mut depths = picture::room(args.size, 12, machine)?;
+    let mut depths = picture::room(args.size, 12, memory)?;
     look(shown, args, &mut depths, |query, hit, _| distance(shown, query, hit))?;
     Ok(depths)
 }

@@ -11,14 +11,21 @@ fn usage_errors_exit_with_2() {
     for (line, words) in [
         ("frobnicate", &["frobnicate"][..]),
         ("build box.obj", &["--output"]),
-        ("build box.obj -o out.vxd -r 0", &["1..=2097152"]),
-        ("build box.obj -o out.vxd -r 2097153", &["1..=2097152"]),
+        ("build box.obj -o out.vxd -r 0", &["1 to 2097152"]),
+        ("build box.obj -o out.vxd -r 2097153", &["1 to 2097152"]),
         ("build box.obj -o out.vxd -r 64 --voxel-size 0.1", &["--origin"]),
         ("build box.obj -o out.vxd --voxel-size nan", &["finite"]),
         ("build box.obj -o out.vxd --voxel-size -1", &["greater than 0"]),
         ("build box.obj -o out.vxd --origin 1,2", &["three numbers"]),
         ("build box.obj -o out.vxd --memory-limit lots", &["512M"]),
-        ("build box.obj -o out.vxd --threads 0", &["1..=1024"]),
+        ("build box.obj -o out.vxd -r -1", &["1 to 2097152"]),
+        ("build box.obj -o out.vxd -r 1e3", &["1 to 2097152"]),
+        ("build box.obj -o out.vxd --threads 0", &["1 to 1024"]),
+        ("build box.obj -o out.vxd --threads -1", &["1 to 1024"]),
+        ("build box.obj -o out.vxd --threads abc", &["1 to 1024"]),
+        ("render box.obj -o out.png --size -1x5", &["1280x720"]),
+        ("render box.obj -o out.png --view-up 0,0,0", &["direction"]),
+        ("render box.obj -o out.png --ambient 1e300", &["1e300", "3.4e38"]),
         ("build box.obj -o out.txt", &["out.txt", ".vxd"]),
         ("render box.obj -o out.jpg", &["out.jpg", ".png"]),
         ("render box.obj -o out.png --eye 1,2,inf", &["finite"]),
@@ -103,6 +110,113 @@ fn memory_over_the_limit_exits_with_4_and_says_how_much_is_needed() {
     s.ok("build box.obj -o out.vxd -r 64 --memory-limit 1GiB");
 }
 
+/// A wavy sheet of `2 n^2` triangles.
+fn sheet(n: usize) -> String {
+    let mut obj = String::new();
+    for i in 0..=n {
+        for j in 0..=n {
+            obj += &format!("v {i} {j} {}\n", (i * 7 + j * 3) % 11);
+        }
+    }
+    for a in (0..n).flat_map(|i| (0..n).map(move |j| i * (n + 1) + j + 1)) {
+        obj += &format!("f {a} {} {}\nf {a} {} {}\n", a + 1, a + n + 2, a + n + 2, a + n + 1);
+    }
+    obj
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_run_within_the_limit_stays_within_it() {
+    let s = Sandbox::new();
+    s.write("sheet.obj", sheet(200));
+    let mut fits = 0;
+    for (limit, command) in [
+        (8, "build sheet.obj -o sheet.vxd -r 512"),
+        (40, "build sheet.obj -o sheet.vxd -r 512"),
+        (40, "build sheet.obj -o sheet.vxd -r 512 --materials none"),
+        (200, "build sheet.obj -o sheet.vxd -r 512 --materials table-normals"),
+        (60, "render sheet.obj -o sheet.png -r 400 --size 900x900 --samples 1 --normals face"),
+    ] {
+        let run = s.run(&format!("{command} --memory-limit {limit}M --json"));
+        if run.code == 0 {
+            let peak = run.json()["peak_rss_bytes"].as_u64().unwrap();
+            assert!(peak <= (limit + 24) << 20, "{command}: {peak} bytes with a limit of {limit}M");
+            fits += 1;
+        } else {
+            run.fails(4, &["bytes", "--memory-limit"]);
+        }
+    }
+    assert!((2..5).contains(&fits), "{fits} of the runs fit: the limits test nothing");
+}
+
+#[test]
+fn the_amount_that_the_hint_names_will_do() {
+    let s = Sandbox::new();
+    for (command, coarser) in [("build box.obj -o out.vxd -r 300", true), ("demo", false)] {
+        let mut limit = "4M".to_owned();
+        let mut tries = 0;
+        loop {
+            let run = s.run(&format!("{command} --memory-limit {limit}"));
+            if run.code == 0 {
+                break;
+            }
+            run.fails(4, &["--memory-limit"]);
+            assert_eq!(run.stderr.contains("try -r 150"), coarser, "{}", run.stderr);
+            assert!(coarser || !run.stderr.contains("-r "), "{}", run.stderr);
+            let hint = run.stderr.lines().find(|line| line.contains("hint:")).unwrap();
+            limit = hint.rsplit(' ').next().unwrap().to_owned();
+            tries += 1;
+            // Parsing, building and drawing are asked for one after the other.
+            assert!(tries <= if coarser { 1 } else { 3 }, "{}", run.stderr);
+        }
+        assert!(tries > 0);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn what_has_no_end_or_cannot_be_read_does_not_hang_the_run() {
+    let s = Sandbox::new();
+    std::fs::create_dir(s.path("dir.mtl")).unwrap();
+    let made = std::process::Command::new("mkfifo").arg(s.path("pipe.mtl")).status();
+    let pipe = if made.is_ok_and(|status| status.success()) { "pipe.mtl" } else { "dir.mtl" };
+    for library in [pipe, "/dev/zero", "dir.mtl"] {
+        s.write("odd.obj", OBJ.replace("box.mtl", library));
+        let run = s.ok("build odd.obj -o odd.vxd -r 8");
+        assert!(run.stderr.contains("cannot read: it is not a regular file"), "{}", run.stderr);
+        assert!(run.stderr.contains(library) && !run.stderr.contains("is not there"), "{}", run.stderr);
+    }
+    // A library counts towards the limit, and so does an input without a length.
+    s.write("big.mtl", "#".repeat(3 << 20));
+    s.write("big.obj", OBJ.replace("box.mtl", "big.mtl"));
+    s.run("build big.obj -o big.vxd -r 8 --memory-limit 2M").fails(4, &["big.mtl"]);
+    s.run("build /dev/zero -o zero.vxd --memory-limit 4M").fails(4, &["/dev/zero"]);
+}
+
+#[test]
+fn verify_says_in_json_what_is_wrong() {
+    let s = Sandbox::new();
+    s.write("bad.vxd", "bad!");
+    let run = s.run("verify bad.vxd --json");
+    assert_eq!(run.code, 3);
+    let json = run.json();
+    assert_eq!(json["ok"], false);
+    let error = json["error"].as_str().unwrap();
+    assert!(error.contains("bad.vxd") && run.stderr.contains(&format!("error: {error}")), "{}", run.stderr);
+    s.run("info bad.vxd --json").fails(3, &["bad.vxd"]);
+}
+
+#[test]
+fn names_do_not_steer_the_terminal() {
+    let s = Sandbox::new();
+    s.write("odd.mtl", common::MTL.replace("red", "r\u{1b}[31med"));
+    s.write("odd.obj", OBJ.replace("box.mtl", "odd.mtl"));
+    s.ok("build odd.obj -o odd.vxd -r 8");
+    let info = s.ok("info odd.vxd").stdout;
+    assert!(info.contains(r"r\u{1b}[31med") && !info.contains('\u{1b}'), "{info}");
+    assert_eq!(s.ok("info odd.vxd --json").json()["materials"][0]["name"], "r\u{1b}[31med");
+}
+
 #[test]
 fn the_input_is_never_overwritten() {
     let s = Sandbox::new();
@@ -138,6 +252,8 @@ fn the_input_is_never_overwritten() {
 fn places_that_cannot_be_written_exit_with_1_and_stay_as_they_are() {
     let s = Sandbox::new();
     s.run("build box.obj -o no/such/folder/out.vxd").fails(1, &["no/such/folder", "hint:"]);
+    #[cfg(target_os = "linux")]
+    s.run("build box.obj -o /proc/out.vxd").fails(1, &["/proc/out.vxd", "another folder with -o"]);
     std::fs::create_dir(s.path("dir.vxd")).unwrap();
     s.run("build box.obj -o dir.vxd").fails(1, &["dir.vxd", "regular file"]);
     // A failure keeps what was there before.
@@ -158,7 +274,11 @@ fn a_link_is_followed_and_a_new_file_has_the_usual_rights() {
     assert!(s.path("link.vxd").is_symlink());
     s.ok("verify real.vxd");
     let rights = |name: &str| std::fs::metadata(s.path(name)).unwrap().permissions().mode() & 0o777;
-    assert_eq!(rights("real.vxd"), rights("box.obj"));
+    s.ok("build box.obj -o new.vxd -r 8");
+    assert_eq!(rights("new.vxd"), rights("box.obj"));
+    std::fs::set_permissions(s.path("new.vxd"), std::fs::Permissions::from_mode(0o640)).unwrap();
+    s.ok("build box.obj -o new.vxd -r 8");
+    assert_eq!(rights("new.vxd"), 0o640);
 }
 
 #[cfg(target_os = "linux")]
@@ -177,7 +297,9 @@ fn an_interrupt_removes_what_is_half_written_and_exits_with_130() {
         assert!(std::time::Instant::now() < deadline, "no temporary file appeared");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    // The shell's own `kill`: the program of that name is not everywhere.
+    let killed =
+        std::process::Command::new("bash").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
     assert!(killed.success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert_eq!(s.files(), ["box.mtl", "box.obj"]);

@@ -19,7 +19,7 @@ fn build_reports_in_json_and_nothing_else_on_stdout() {
     let json = run.json();
     has_keys(
         &json,
-        "resolution depth origin voxel_size triangles voxels nodes bricks bytes.nodes bytes.bricks bytes.materials \
+        "resolution depth origin voxel_size triangles voxels octree_nodes octree_bricks nodes bricks bytes.nodes bytes.bricks bytes.materials \
          bytes.file ms.parse ms.voxelize ms.reduce ms.materials ms.write ms.total peak_rss_bytes threads",
     );
     assert_eq!(json["resolution"], 100);
@@ -44,6 +44,11 @@ fn info_agrees_with_build() {
     let unique = |brick: bool| -> u64 {
         levels.iter().filter(|l| (l["level"] == 2) == brick).map(|l| l["unique"].as_u64().unwrap()).sum()
     };
+    let octree = |brick: bool| -> u64 {
+        levels.iter().filter(|l| (l["level"] == 2) == brick).map(|l| l["octree"].as_u64().unwrap()).sum()
+    };
+    assert_eq!(Some(octree(true)), built["octree_bricks"].as_u64());
+    assert_eq!(Some(octree(false)), built["octree_nodes"].as_u64());
     assert_eq!(Some(unique(true)), built["bricks"].as_u64());
     assert_eq!(Some(unique(false)), built["nodes"].as_u64());
     assert!(levels.iter().all(|l| l["octree"].as_u64() >= l["unique"].as_u64()));
@@ -183,7 +188,10 @@ fn the_demo_draws_its_picture() {
     let s = Sandbox::new();
     let run = s.ok("demo --json");
     let json = run.json();
-    has_keys(&json, "triangles voxels octree_nodes nodes bricks bytes.file ms.total peak_rss_bytes picture");
+    has_keys(
+        &json,
+        "triangles voxels octree_nodes octree_bricks nodes bricks bytes.file ms.total peak_rss_bytes picture",
+    );
     assert!(s.read("voxdag-demo.png").starts_with(b"\x89PNG"));
     assert!(run.stderr.contains("next: "), "{}", run.stderr);
     assert_eq!(s.files(), ["box.mtl", "box.obj", "voxdag-demo.png"]);

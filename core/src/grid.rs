@@ -77,11 +77,12 @@ impl core::fmt::Display for GridError {
             GridError::Resolution { asked } => {
                 write!(
                     f,
-                    "resolution {asked} is out of range: expected 1 to {MAX_RESOLUTION} voxels along the longest axis"
+                    "resolution {} is out of range: expected 1 to {MAX_RESOLUTION} voxels along the longest axis",
+                    Short(*asked)
                 )
             }
             GridError::VoxelSize { size } => {
-                write!(f, "voxel size {size} is out of range: expected a finite number greater than 0")
+                write!(f, "voxel size {} is out of range: expected a finite number greater than 0", Short(*size))
             }
             GridError::NotFinite => write!(f, "the grid's origin or the mesh's box is not finite"),
             GridError::Outside { vertex } => {
@@ -95,6 +96,15 @@ impl core::fmt::Display for GridError {
 }
 
 impl core::error::Error for GridError {}
+
+/// A number with an exponent where its digits would fill the line.
+struct Short(f64);
+
+impl core::fmt::Display for Short {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        if self.0 == 0.0 || (1e-4..1e16).contains(&self.0.abs()) { self.0.fmt(f) } else { write!(f, "{:e}", self.0) }
+    }
+}
 
 impl Bounds {
     /// The centre.

@@ -47,6 +47,8 @@ pub struct Options {
     pub materials: MaterialMode,
     /// Most bytes that building may take at one time, beside the mesh; `None` for no limit.
     pub memory_limit: Option<u64>,
+    /// How many parts are built at the same time, for the limit; 0 counts as 1.
+    pub parts_at_once: usize,
 }
 
 /// Why a scene cannot be built.
@@ -62,8 +64,12 @@ pub enum SceneError {
     Limit {
         /// Bytes needed at least.
         needed: u64,
+        /// Bytes that will do, by the estimate of voxels; `needed` where there is none yet.
+        enough: u64,
         /// Bytes allowed.
         limit: u64,
+        /// Whether a coarser grid needs less.
+        coarser: bool,
     },
 }
 
@@ -73,7 +79,7 @@ impl core::fmt::Display for SceneError {
             SceneError::Voxelize(e) => e.fmt(f),
             SceneError::Reduce(e) => e.fmt(f),
             SceneError::Table(e) => e.fmt(f),
-            SceneError::Limit { needed, limit } => {
+            SceneError::Limit { needed, limit, .. } => {
                 write!(f, "building needs about {needed} bytes of memory, the limit is {limit}")
             }
         }
@@ -104,6 +110,8 @@ impl From<InsertError> for SceneError {
 pub struct Build<'m> {
     voxelizer: Voxelizer<'m>,
     options: Options,
+    /// Bytes of the snapped vertices and the sorted triangles.
+    sorted: u64,
 }
 
 /// A built subtree and the materials of its voxels.
@@ -121,26 +129,65 @@ pub struct Built {
     pub table: Option<TableBuf>,
 }
 
-/// Refuses `needed` bytes if they are over the limit.
-fn within(limit: Option<u64>, needed: u64) -> Result<(), SceneError> {
-    match limit {
-        Some(limit) if needed > limit => Err(SceneError::Limit { needed, limit }),
-        _ => Ok(()),
-    }
-}
+/// Bytes that building takes per word of the DAG: the word, its share of the hash sets, and its copy at the end.
+const BYTES_PER_WORD: u64 = 12;
 
 impl<'m> Build<'m> {
     /// Checks mesh, grid and limit, snaps the vertices and sorts the triangles into parts. O(triangles).
     pub fn new(mesh: &Mesh<'m>, grid: &Grid, options: &Options) -> Result<Build<'m>, SceneError> {
         let limit = options.memory_limit.unwrap_or(u64::MAX);
         let voxelizer = Voxelizer::within(mesh, grid, options.cover, limit).map_err(|error| match error {
-            VoxelizeError::Memory { bytes } if bytes > limit => SceneError::Limit { needed: bytes, limit },
+            VoxelizeError::Memory { bytes } if bytes > limit => {
+                SceneError::Limit { needed: bytes, enough: bytes, limit, coarser: false }
+            }
             error => error.into(),
         })?;
-        let build = Build { voxelizer, options: *options };
+        let sorted = voxelizer.bytes();
+        let build = Build { voxelizer, options: *options, sorted };
         // The estimate of voxels can be too high by as much as triangles share voxels; half of it is safe to refuse by.
-        within(options.memory_limit, build.table_bytes(build.voxelizer.estimate() / 2))?;
+        build.within(build.table_bytes(build.voxelizer.estimate() / 2))?;
         Ok(build)
+    }
+
+    /// Refuses `needed` bytes beside the sorted triangles if they are over the limit.
+    fn within(&self, needed: u64) -> Result<(), SceneError> {
+        let needed = needed.saturating_add(self.sorted);
+        match self.options.memory_limit {
+            Some(limit) if needed > limit => {
+                Err(SceneError::Limit { needed, enough: self.enough().max(needed), limit, coarser: true })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Bytes that will do, by the estimate of voxels: per voxel its slots in the table, 3 for the lists of owners and 3
+    /// for the DAG, which are more than meshes take.
+    fn enough(&self) -> u64 {
+        let voxels = self.voxelizer.estimate();
+        let owner = match self.options.materials {
+            MaterialMode::None => 0,
+            MaterialMode::Table => 3,
+            MaterialMode::TableNormals => 15,
+        };
+        let parts = (0..self.parts()).map(|part| self.part_bytes(part)).max().unwrap_or(0);
+        let lists = voxels.saturating_mul(owner + 3).saturating_add(self.sorted).saturating_add(parts);
+        self.table_bytes(voxels).saturating_add(lists)
+    }
+
+    /// Bytes of the triangles of as many parts as are built at the same time, if all were like this one.
+    fn part_bytes(&self, part: usize) -> u64 {
+        self.voxelizer.subtree_bytes(part).saturating_mul(self.options.parts_at_once.max(1) as u64)
+    }
+
+    /// A builder's refusal: over our limit, or over the format's.
+    fn reduce_error(&self, error: BuildError) -> SceneError {
+        match error {
+            BuildError::Words { needed } => match self.within(needed.saturating_mul(BYTES_PER_WORD)) {
+                Err(over) => over,
+                Ok(()) => SceneError::Reduce(error),
+            },
+            error => SceneError::Reduce(error),
+        }
     }
 
     /// Bytes of the material map of so many voxels.
@@ -163,24 +210,26 @@ impl<'m> Build<'m> {
     /// # Panics
     /// If `part` is not below [`Build::parts`].
     pub fn part(&self, part: usize) -> Result<Part, SceneError> {
-        within(self.options.memory_limit, self.voxelizer.subtree_bytes(part))?;
+        self.within(self.part_bytes(part))?;
         let mut builder = DagBuilder::new(self.voxelizer.subtree_depth())?;
         self.limit_words(&mut builder);
         let mut owners = Owners::default();
         self.voxelizer.voxelize::<SceneError>(part, |brick| {
-            builder.push(brick.code, brick.mask)?;
+            builder.push(brick.code, brick.mask).map_err(|e| self.reduce_error(e))?;
             match self.options.materials {
                 MaterialMode::None => Ok(()),
                 MaterialMode::Table => owners.push(&self.voxelizer, part, brick, false),
                 MaterialMode::TableNormals => owners.push(&self.voxelizer, part, brick, true),
             }
         })?;
-        Ok(Part { at: self.voxelizer.subtree_code(part), dag: builder.finish()?, owners })
+        let dag = builder.finish().map_err(|e| self.reduce_error(e))?;
+        Ok(Part { at: self.voxelizer.subtree_code(part), dag, owners })
     }
 
     fn limit_words(&self, builder: &mut DagBuilder) {
         if let Some(limit) = self.options.memory_limit {
-            builder.limit(u32::try_from(limit / 4).unwrap_or(u32::MAX));
+            let words = limit.saturating_sub(self.sorted) / BYTES_PER_WORD;
+            builder.limit(u32::try_from(words).unwrap_or(u32::MAX));
         }
     }
 
@@ -213,13 +262,15 @@ pub struct Join<'b, 'm> {
 impl<'b, 'm> Join<'b, 'm> {
     /// Takes the next part; parts come in the order of their numbers.
     pub fn add(&mut self, part: Part) -> Result<(), SceneError> {
-        self.builder.append(part.at, &part.dag.dag())?;
+        self.builder.append(part.at, &part.dag.dag()).map_err(|e| self.build.reduce_error(e))?;
+        self.build.within((self.owners.bytes() + part.owners.bytes()).saturating_add(4 * self.builder.words()))?;
         self.owners.append(part.owners)
     }
 
     /// The finished DAG, and what its material map is made from.
     pub fn finish(self) -> Result<(DagBuf, PendingTable<'b, 'm>), SceneError> {
-        Ok((self.builder.finish()?, PendingTable { build: self.build, owners: self.owners }))
+        let dag = self.builder.finish().map_err(|e| self.build.reduce_error(e))?;
+        Ok((dag, PendingTable { build: self.build, owners: self.owners }))
     }
 }
 
@@ -241,7 +292,8 @@ impl PendingTable<'_, '_> {
             MaterialMode::TableNormals => true,
         };
         let voxels = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
-        within(self.build.options.memory_limit, self.build.table_bytes(voxels) + 4 * dag.words().len() as u64)?;
+        let held = self.owners.bytes() + 4 * dag.words().len() as u64;
+        self.build.within(self.build.table_bytes(voxels).saturating_add(held))?;
         Ok(Some(TableBuf::new(voxels, normals)?))
     }
 
@@ -282,6 +334,12 @@ fn extend<T: Copy>(list: &mut Vec<T>, more: &[T]) -> Result<(), SceneError> {
 }
 
 impl Owners {
+    /// Bytes of the lists.
+    fn bytes(&self) -> u64 {
+        let Owners { bricks, mixed, normals } = self;
+        (size_of_val(&bricks[..]) + size_of_val(&mixed[..]) + size_of_val(&normals[..])) as u64
+    }
+
     fn push(
         &mut self,
         voxelizer: &Voxelizer<'_>,

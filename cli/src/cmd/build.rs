@@ -46,6 +46,10 @@ struct Report {
     voxel_size: f64,
     triangles: usize,
     voxels: u64,
+    /// Nodes above the bricks without sharing.
+    octree_nodes: u64,
+    /// Bricks without sharing.
+    octree_bricks: u64,
     /// Unique nodes above the bricks.
     nodes: u64,
     /// Unique bricks of 4^3 voxels.
@@ -73,10 +77,11 @@ pub fn run(args: &Args) -> Result<()> {
     let output = Output::create(&args.output, "vxd")?;
     output.must_not_replace(std::slice::from_ref(&args.mesh))?;
     let pool = args.machine.pool()?;
+    let mut memory = args.machine.memory();
 
-    let source = scene::import_file(&args.mesh, input::read_mesh(&args.mesh, &args.machine)?)?;
+    let source = scene::import_file(&args.mesh, input::read_mesh(&args.mesh, &mut memory)?, &mut memory)?;
     output.must_not_replace(&source.files)?;
-    let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
+    let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
     let (written, write) = stats::timed(|| output.finish(|file| built.write(file)));
     written?;
 
@@ -89,6 +94,8 @@ pub fn run(args: &Args) -> Result<()> {
         voxel_size: grid.voxel_size,
         triangles: built.triangles,
         voxels: built.stats.voxels,
+        octree_nodes: built.stats.octree_nodes() - built.stats.levels[2].octree,
+        octree_bricks: built.stats.levels[2].octree,
         nodes: built.stats.nodes(),
         bricks: built.stats.levels[2].unique,
         bytes: built.bytes(),
@@ -103,14 +110,14 @@ pub fn run(args: &Args) -> Result<()> {
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
     };
-    report::result(args.report.json, &report, &lines(&report, built.stats.octree_nodes()))?;
+    report::result(args.report.json, &report, &lines(&report))?;
     let picture = args.output.with_extension("png");
     report::next(format_args!("render {} -o {}", shell_word(&args.output), shell_word(&picture)));
     Ok(())
 }
 
 /// The report for people.
-fn lines(report: &Report, octree_nodes: u64) -> Lines {
+fn lines(report: &Report) -> Lines {
     let mut lines = Lines::default();
     let Ms { parse, voxelize, reduce, materials, write, total } = report.ms;
     lines
@@ -120,7 +127,7 @@ fn lines(report: &Report, octree_nodes: u64) -> Lines {
             format!("{} (depth {}), voxel size {}", report.resolution, report.depth, number(report.voxel_size)),
         )
         .row("voxels", grouped(report.voxels))
-        .row("nodes", report::sharing(octree_nodes, report.nodes + report.bricks))
+        .row("nodes", report::sharing(report.octree_nodes + report.octree_bricks, report.nodes + report.bricks))
         .row("bytes", report.bytes.text())
         .row(
             "time",

@@ -126,7 +126,7 @@ pub fn run(args: &Args) -> Result<()> {
     sink.must_not_replace(&[args.scene.clone(), args.rays.clone()])?;
     let to_file = matches!(sink, Sink::File(_));
     let pool = args.machine.pool()?;
-    let words = input::read_scene_within(&args.scene, &args.machine)?;
+    let words = input::read_scene_within(&args.scene, &mut args.machine.memory())?;
     let scene = scene::open(&args.scene, &words)?;
     let top = scene::top_grid(scene.dag)?;
     let caster = Caster {

@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde::Serialize;
 use voxdag::demo;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::options::{
     ArithmeticArg, BuildArgs, CameraArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
 };
@@ -32,9 +32,13 @@ const PICTURE: &str = "voxdag-demo.png";
 struct Report {
     triangles: usize,
     voxels: u64,
-    /// Nodes and bricks without sharing.
+    /// Nodes above the bricks without sharing.
     octree_nodes: u64,
+    /// Bricks without sharing.
+    octree_bricks: u64,
+    /// Unique nodes above the bricks.
     nodes: u64,
+    /// Unique bricks of 4^3 voxels.
     bricks: u64,
     bytes: Bytes,
     ms: Ms,
@@ -56,22 +60,30 @@ struct Ms {
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
-    let output = Output::create(Path::new(PICTURE), "png")?;
+    let elsewhere = |error: Error| error.hint("run it in a folder you may write to");
+    let output = Output::create(Path::new(PICTURE), "png").map_err(elsewhere)?;
     let pool = args.machine.pool()?;
+    let mut memory = args.machine.memory();
     let (text, library) = (demo::obj(), demo::mtl());
+    memory.hold((text.len() + library.len()) as u64);
+    scene::afford_import(Path::new("demo"), text.as_bytes(), &memory)?;
     let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
         (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
     })?;
     let building = BuildArgs { resolution: Some(demo::RESOLUTION), ..BuildArgs::default() };
-    let built = pool.install(|| scene::build(&source, &building, &args.machine))?;
-    let picture = pool.install(|| picture::draw(&built.shown(), &view(), &args.machine))?;
-    output.finish(|file| picture.write_png(file))?;
+    memory.hold(source.bytes);
+    let built = pool.install(|| scene::build(&source, &building, &mut memory))?;
+    memory.release(source.bytes);
+    drop(source);
+    let picture = pool.install(|| picture::draw(&built.shown(), &view(), &memory))?;
+    output.finish(|file| picture.write_png(file)).map_err(elsewhere)?;
 
     let Cost { parse, voxelize, reduce, materials } = built.cost;
     let report = Report {
         triangles: built.triangles,
         voxels: built.stats.voxels,
-        octree_nodes: built.stats.octree_nodes(),
+        octree_nodes: built.stats.octree_nodes() - built.stats.levels[2].octree,
+        octree_bricks: built.stats.levels[2].octree,
         nodes: built.stats.nodes(),
         bricks: built.stats.levels[2].unique,
         bytes: built.bytes(),
@@ -114,7 +126,7 @@ fn lines(report: &Report) -> Lines {
     lines
         .row("triangles", grouped(report.triangles as u64))
         .row("voxels", grouped(report.voxels))
-        .row("nodes", report::sharing(report.octree_nodes, report.nodes + report.bricks))
+        .row("nodes", report::sharing(report.octree_nodes + report.octree_bricks, report.nodes + report.bricks))
         .row("bytes", report.bytes.text())
         .row(
             "time",

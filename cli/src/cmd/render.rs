@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::error::Result;
 use crate::formats;
 use crate::input::{self, Content};
+use crate::memory::Memory;
 use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
 use crate::output::Output;
 use crate::picture::{self, Picture, Rays, Shown};
@@ -90,19 +91,21 @@ pub fn run(args: &Args) -> Result<()> {
     let outputs = || std::iter::once(&output).chain(&depth_output);
     outputs().try_for_each(|output| output.must_not_replace(std::slice::from_ref(&args.input)))?;
     let pool = args.machine.pool()?;
+    let mut memory = args.machine.memory();
 
-    let (drawn, grid, is_scene) = match input::read(&args.input, &args.machine)? {
+    let (drawn, grid, is_scene) = match input::read(&args.input, &mut memory)? {
         Content::Scene(words) => {
             args.build.must_be_absent(&args.input)?;
             let scene = scene::open(&args.input, &words)?;
-            (pool.install(|| draw(&Shown::of(&scene), args))?, scene.grid, true)
+            (pool.install(|| draw(&Shown::of(&scene), args, &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
-            let source = scene::import_file(&args.input, text)?;
+            let source = scene::import_file(&args.input, text, &mut memory)?;
             outputs().try_for_each(|output| output.must_not_replace(&source.files))?;
-            let built = pool.install(|| scene::build(&source, &args.build, &args.machine))?;
+            let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
+            memory.release(source.bytes);
             drop(source);
-            (pool.install(|| draw(&built.shown(), args))?, built.grid, false)
+            (pool.install(|| draw(&built.shown(), args, &memory))?, built.grid, false)
         }
     };
     let Drawn { picture, shown, depths } = drawn;
@@ -147,12 +150,12 @@ struct Drawn {
 }
 
 /// Draws what the flags ask for.
-fn draw(scene: &Shown<'_>, args: &Args) -> Result<Drawn> {
+fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
     let (picture, shown) = match args.show {
-        Show::Shaded => (picture::draw(scene, &args.picture, &args.machine)?, None),
-        show => show::draw(scene, &args.picture, show, &args.machine)?,
+        Show::Shaded => (picture::draw(scene, &args.picture, memory)?, None),
+        show => show::draw(scene, &args.picture, show, memory)?,
     };
-    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, &args.machine)).transpose()?;
+    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, memory)).transpose()?;
     Ok(Drawn { picture, shown, depths })
 }
 

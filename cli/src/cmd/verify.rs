@@ -25,7 +25,7 @@ pub struct Args {
     report: ReportArgs,
 }
 
-/// What `verify --json` prints for a scene without fault; one with a fault ends with exit code 3.
+/// What `verify --json` prints for a scene without fault.
 #[derive(Serialize)]
 struct Report {
     ok: bool,
@@ -39,8 +39,23 @@ struct Check {
     found: String,
 }
 
+/// What it prints for any other, besides the message on stderr and exit code 3.
+#[derive(Serialize)]
+struct Fault<'a> {
+    ok: bool,
+    error: &'a str,
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
+    let result = check(args);
+    if let (Err(error), true) = (&result, args.report.json) {
+        report::result(true, &Fault { ok: false, error: error.message() }, &Lines::default())?;
+    }
+    result
+}
+
+fn check(args: &Args) -> Result<()> {
     let words = input::read_scene(&args.scene)?;
     let scene = scene::open(&args.scene, &words)?;
     let stats = scene::count(scene.dag)?;

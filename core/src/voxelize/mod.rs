@@ -204,6 +204,11 @@ impl<'m> Voxelizer<'m> {
         &self.lists[start as usize..self.subtrees[subtree].1 as usize]
     }
 
+    /// Bytes of the snapped vertices and of the lists of triangles.
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(&self.snapped[..]) + size_of_val(&self.lists[..])) as u64
+    }
+
     /// Bytes that [`Voxelizer::voxelize`] takes for the triangles of a subtree.
     pub fn subtree_bytes(&self, subtree: usize) -> u64 {
         let crosshair = if self.cover == Cover::Thin { size_of::<prism::Crosshair>() } else { 0 };

@@ -63,7 +63,7 @@ impl Stage {
 pub fn run(run: &Run, source: &Source) -> Result<()> {
     let mesh = source.model.mesh();
     // Built once as `build` does it: every complaint about mesh and flags comes from there.
-    let built = scene::build(source, &run.build, &run.machine())?;
+    let built = scene::build(source, &run.build, &mut run.machine().memory())?;
     let (grid, voxels) = (built.grid, built.stats.voxels);
     drop(built);
     let options = scene::options(&run.build, None);

@@ -112,8 +112,9 @@ enum Input {
 
 impl Input {
     fn read(run: &Run) -> Result<Input> {
-        match input::read(&run.input, &run.machine())? {
-            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(&run.input, text)?))),
+        let mut memory = run.machine().memory();
+        match input::read(&run.input, &mut memory)? {
+            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(&run.input, text, &mut memory)?))),
             Content::Scene(words) => {
                 run.build.must_be_absent(&run.input)?;
                 Ok(Input::Scene(words))
@@ -133,7 +134,7 @@ impl Input {
     /// The scene, built first if need be.
     fn with_scene<T>(&self, run: &Run, use_scene: impl FnOnce(&Shown<'_>) -> Result<T>) -> Result<T> {
         match self {
-            Input::Mesh(source) => use_scene(&scene::build(source, &run.build, &run.machine())?.shown()),
+            Input::Mesh(source) => use_scene(&scene::build(source, &run.build, &mut run.machine().memory())?.shown()),
             Input::Scene(words) => use_scene(&Shown::of(&scene::open(&run.input, words)?)),
         }
     }
