@@ -11,14 +11,14 @@ bench=$(cargo bench --no-run -p voxdag --bench core --message-format json 2>/dev
     jq -r 'select(.executable != null and .target.name == "core") | .executable')
 [ -x "$bench" ] || { echo "callgrind.sh: the benchmarks did not build" >&2; exit 1; }
 
-# NAME OF THE BENCHMARK, KERNEL, WHAT IT IS COUNTED IN
+# NAME OF THE BENCHMARK, KERNEL, WHAT IT HAS AS MANY ITEMS AS, NAME OF AN ITEM
 count() {
     local out=$work/out items instructions
     valgrind --tool=callgrind --callgrind-out-file=/dev/null --toggle-collect="core::kernel::$2*" \
         "$bench" --test --exact "$1" >"$out" 2>&1
     items=$(sed -n "s/.*\b\([0-9]\+\) $3.*/\1/p" "$out" | head -n 1)
     instructions=$(sed -n 's/.*Collected : \([0-9]\+\).*/\1/p' "$out")
-    awk -v name="$1" -v n="$instructions" -v items="$items" -v unit="${3%s}" \
+    awk -v name="$1" -v n="$instructions" -v items="$items" -v unit="${4:-${3%s}}" \
         'BEGIN { printf "| %s | %.1f a %s | %d |\n", name, n / items, unit, items }'
 }
 
@@ -31,7 +31,7 @@ count core::primary::F64 trace rays
 count core::primary_without_top trace rays
 count core::shadow occluded hits
 for kind in Face Gradient Plane1 Plane2 Plane3; do count "core::normals::$kind" normals hits; done
-count core::look_up look_up rays
+count core::look_up look_up rays look-up
 count core::voxelize voxelize voxels
 count core::reduce reduce voxels
 count core::build::None build voxels

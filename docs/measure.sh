@@ -3,7 +3,6 @@
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 bunny=${1:?folder with the scenes}/bunny/bunny.obj
-conference=$1/conference/conference.obj
 cargo build --release --manifest-path "$here/../Cargo.toml" -p voxdag-cli
 voxdag=${CARGO_TARGET_DIR:-$here/../target}/release/voxdag
 
@@ -17,6 +16,7 @@ run trace "$bunny" -r 1024 --materials none --eye 0,0,32 --target 0,0,0 --fov 53
 run normals "$bunny" -r 1024 "${@:2}"
 run materials "$bunny" -r 1024 "${@:2}"
 run build "$bunny" -r 1024 "${@:2}"
-run accuracy "$bunny" -r 512 "${@:2}"
-run accuracy "$conference" -r 512 "${@:2}"
+for name in bunny sponza conference; do
+    run accuracy "$1/$name/$name.obj" -r 512 "${@:2}"
+done
 "$here/callgrind.sh"
