@@ -107,20 +107,25 @@ impl Ray {
     #[inline(always)]
     fn set_slack(&mut self, t_min: f64, size: i32) {
         const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
-        let tame = |x: f64| x.abs() >= TINY && x.abs() <= HUGE;
+        // One instruction each, where `f64::max` also asks for NaN, which cannot be here.
+        let max = |a: f64, b: f64| if a > b { a } else { b };
+        let min = |a: f64, b: f64| if a < b { a } else { b };
         // All times that matter lie between the cube's near and far planes, or are t_min.
         let mut far = if t_min == f64::NEG_INFINITY { 0.0 } else { t_min.abs() };
         let (mut near, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
+        let (mut largest, mut flattest) = (0.0, 0.0);
         for i in 0..3 {
+            largest = max(largest, max(self.origin[i].abs(), self.dir[i].abs()));
             if self.moving(i) {
                 let (a, b) = (self.t(i, 0), self.t(i, size));
-                near = near.max(a.min(b));
-                leave = leave.min(a.max(b));
+                let (a, b) = if self.up[i] != 0 { (a, b) } else { (b, a) };
+                (near, leave) = (max(near, a), min(leave, b));
+                flattest = max(flattest, self.inverse[i].abs());
             }
         }
-        far = far.max(near.abs()).max(leave.abs());
-        let numbers = self.origin.iter().chain(&self.dir);
-        if !(tame(far) && numbers.into_iter().all(|x| *x == 0.0 || tame(*x))) {
+        far = max(far, max(near.abs(), leave.abs()));
+        // Products of these stay clear of both ends of the range. A NaN among the times fails, too.
+        if !(largest <= HUGE && flattest <= HUGE && (TINY..=HUGE).contains(&far)) {
             return;
         }
         self.time_slack = far * UNIT;
