@@ -188,13 +188,19 @@ fn each_brick(dag: Dag<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut(
             corner += 4;
         }
     }
+    // Neighbours share ancestors: of the last brick's path all is kept above where the codes part.
+    let mut path = [root; 23];
+    let mut last = None;
     for (z, &(code_z, slab_z)) in (0..bricks[2]).zip(&along[2]) {
         for (y, &(code_y, slab_y)) in (0..bricks[1]).zip(&along[1]) {
             for (x, &(code_x, slab_x)) in (0..bricks[0]).zip(&along[0]) {
                 let code = code_x | code_y | code_z;
-                let mut word = root;
-                for level in (u32::from(BRICK_LEVEL)..top).rev() {
+                let parting = last.map_or(top, |last: u64| (66 - (code ^ last).leading_zeros()) / 3);
+                last = Some(code);
+                let mut word = path[parting as usize];
+                for level in (u32::from(BRICK_LEVEL)..parting).rev() {
                     word = child_or_empty(dag, word, code >> (3 * level) & 7);
+                    path[level as usize] = word;
                 }
                 let mask = dag.brick_at(word) & slab_x & slab_y & slab_z;
                 if mask != 0 {
