@@ -8,6 +8,13 @@
 //!
 //! The contract: no `unsafe`; no heap without the feature `alloc`; no recursion and no panic on validated data;
 //! queries on a [`dag::Dag`] allocate nothing and answer the same bits on every target and for any thread count.
+//!
+//! | feature | adds |
+//! | --- | --- |
+//! | none | load, check, trace, normals, materials, shade and render over borrowed slices |
+//! | `alloc` (default) | voxelisation and builders whose memory grows |
+//! | `std` | square roots by the hardware, the same bits; checksums by it, too |
+//! | `obj` | readers of OBJ and MTL files, free of I/O |
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -16,12 +23,13 @@ extern crate alloc;
 #[cfg(feature = "std")]
 extern crate std;
 
+// What all stages share.
+pub mod color;
 pub mod math;
 pub mod morton;
+pub mod octahedral;
 
-#[cfg(feature = "alloc")]
-pub mod demo;
-
+// From files to meshes.
 pub mod grid;
 pub mod material;
 pub mod mesh;
@@ -30,32 +38,45 @@ pub mod mesh;
 pub mod triangulate;
 
 #[cfg(feature = "obj")]
-pub mod mtl;
-#[cfg(feature = "obj")]
-pub mod obj;
-#[cfg(feature = "obj")]
 mod text;
 
+#[cfg(feature = "obj")]
+pub mod mtl;
+
+#[cfg(feature = "obj")]
+pub mod obj;
+
+// From meshes to voxels, to a DAG and its materials.
 #[cfg(feature = "alloc")]
 pub mod voxelize;
 
-pub mod build;
 pub mod dag;
+
+pub mod build;
+
+pub mod table;
+
 pub mod materials;
-pub mod octahedral;
+
 #[cfg(feature = "alloc")]
 pub mod scene;
-pub mod table;
+
+// From rays to pixels.
 pub mod trace;
 
-pub mod file;
 pub mod normal;
 
-pub mod color;
 pub mod shade;
 
 pub mod camera;
+
 pub mod render;
+
+// At the rim: files, and a scene that comes along.
+pub mod file;
+
+#[cfg(feature = "alloc")]
+pub mod demo;
 
 pub use dag::Dag;
 pub use grid::Grid;
