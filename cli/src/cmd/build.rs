@@ -94,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
         voxel_size: grid.voxel_size,
         triangles: built.triangles,
         voxels: built.stats.voxels,
-        octree_nodes: built.stats.octree_nodes() - built.stats.levels[2].octree,
+        octree_nodes: built.stats.octree_nodes(),
         octree_bricks: built.stats.levels[2].octree,
         nodes: built.stats.nodes(),
         bricks: built.stats.levels[2].unique,

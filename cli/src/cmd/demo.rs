@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     let report = Report {
         triangles: built.triangles,
         voxels: built.stats.voxels,
-        octree_nodes: built.stats.octree_nodes() - built.stats.levels[2].octree,
+        octree_nodes: built.stats.octree_nodes(),
         octree_bricks: built.stats.levels[2].octree,
         nodes: built.stats.nodes(),
         bricks: built.stats.levels[2].unique,

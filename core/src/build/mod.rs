@@ -103,7 +103,6 @@ pub(crate) struct Reducer {
     /// Code of the first voxel of what was given last, and of the first voxel after it.
     last: u64,
     end: u64,
-    root: Option<u32>,
 }
 
 impl Reducer {
@@ -111,7 +110,7 @@ impl Reducer {
         if u32::from(depth) > BITS {
             return Err(BuildError::Depth { found: depth });
         }
-        Ok(Reducer { depth, open: [Open::EMPTY; 22], last: 0, end: 0, root: None })
+        Ok(Reducer { depth, open: [Open::EMPTY; 22], last: 0, end: 0 })
     }
 
     /// Takes the next brick; `code` is that of its first voxel. A brick without voxels is passed over.
@@ -174,10 +173,9 @@ impl Reducer {
         self.add(store, code, level, forward[dag.root()])
     }
 
-    /// Closes every open node; `Some(())` if there is a root.
-    pub(crate) fn finish(mut self, store: &mut impl Store) -> Result<Option<()>, BuildError> {
-        self.close_to(store, self.depth)?;
-        Ok(self.root.map(|_| ()))
+    /// Closes every open node. The last one, alone in its level, is the root.
+    pub(crate) fn finish(mut self, store: &mut impl Store) -> Result<(), BuildError> {
+        self.close_to(store, self.depth)
     }
 
     /// Refuses a cube of `level` at `code` that lies outside, or not after all that came before.
@@ -198,9 +196,8 @@ impl Reducer {
         self.leave(store, code)?;
         self.last = code.0;
         self.end = code.0 + (1 << (3 * u32::from(level)));
-        if level == self.depth.max(BRICK_LEVEL) {
-            self.root = Some(id);
-        } else {
+        // The root has no parent.
+        if level < self.depth.max(BRICK_LEVEL) {
             self.open[level as usize + 1].add(code.octant(level), id);
         }
         Ok(())
@@ -223,9 +220,7 @@ impl Reducer {
                 continue;
             }
             let id = store.node(l, &open.words[..=open.children])?;
-            if l == self.depth {
-                self.root = Some(id);
-            } else {
+            if l < self.depth {
                 self.open[l as usize + 1].add(Morton(self.last).octant(l), id);
             }
         }

@@ -28,9 +28,9 @@ impl Stats {
         self.levels[3..].iter().map(|l| l.unique).sum()
     }
 
-    /// Nodes of the octree without sharing, down to nodes of 2^3 voxels' parents (bricks count once each).
+    /// Nodes above the bricks in the octree without sharing.
     pub fn octree_nodes(&self) -> u64 {
-        self.levels.iter().map(|l| l.octree).sum()
+        self.levels[3..].iter().map(|l| l.octree).sum()
     }
 }
 
