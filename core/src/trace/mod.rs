@@ -37,22 +37,6 @@ impl Query {
     pub fn new(origin: [f64; 3], dir: [f64; 3]) -> Query {
         Query { origin, dir, t_min: 0.0, t_max: f64::INFINITY, min_level: 0, start: None }
     }
-
-    /// The query with its origin inside the start voxel on the axes along which it never moves: there rounding may have
-    /// put it beside the voxel, and no step would ever put that right.
-    #[inline(always)]
-    fn anchored(&self) -> Query {
-        let mut query = *self;
-        if let Some(voxel) = self.start {
-            let p = voxel.decode();
-            for i in 0..3 {
-                if self.dir[i] == 0.0 {
-                    query.origin[i] = f64::from(p[i]) + 0.5;
-                }
-            }
-        }
-        query
-    }
 }
 
 /// The side of a voxel through which a ray came in.

@@ -25,6 +25,7 @@ pub(super) struct Ray {
     pub up: [i32; 4],
     /// The octant it heads to: `up` of x, y and z as bits.
     pub octant: usize,
+    t_min: f64,
     t_max: f64,
     /// Times below it are certainly below `t_max`.
     pub stop: f64,
@@ -32,6 +33,44 @@ pub(super) struct Ray {
     time_slack: f64,
     /// Places that are further from the middle of a cell than this half of its width are too close to a plane to tell.
     half: [f64; 3],
+    /// Whether the voxels may lie off the line: by f64 alone, or begun in a voxel that somebody else found.
+    strays: bool,
+}
+
+/// What f64 values are too close to tell.
+pub(super) struct Unclear;
+
+/// The largest of three numbers that are no NaN; one instruction a step, where `f64::max` also asks for NaN.
+#[inline(always)]
+fn largest([a, b, c]: [f64; 3]) -> f64 {
+    let ab = if a > b { a } else { b };
+    if ab > c { ab } else { c }
+}
+
+/// The smallest of three numbers that are no NaN.
+#[inline(always)]
+fn smallest([a, b, c]: [f64; 3]) -> f64 {
+    let ab = if b < a { b } else { a };
+    if c < ab { c } else { ab }
+}
+
+/// Something of each axis.
+#[inline(always)]
+pub(super) fn axes<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+    [of(0), of(1), of(2)]
+}
+
+/// `a` or `b`, without a branch: which one is as good as random.
+#[inline(always)]
+fn select(first: bool, a: i32, b: i32) -> i32 {
+    let mask = -i32::from(first);
+    b ^ (a ^ b) & mask
+}
+
+/// Whether one of the three is true, and no more.
+#[inline(always)]
+fn alone(flags: [bool; 3]) -> bool {
+    u8::from(flags[0]) + u8::from(flags[1]) + u8::from(flags[2]) == 1
 }
 
 /// A time at which the ray crosses a plane.
@@ -61,21 +100,26 @@ impl Crossing {
 }
 
 impl Ray {
-    /// Whether a query is a ray that can meet a cube of `size` voxels: finite numbers, a direction, time between `t_min`
-    /// and `t_max`, and not standing still beside the cube.
+    /// The ray of a query, for a cube of `size` voxels; `None` if it cannot meet that: numbers that are not finite, no
+    /// direction, no time between `t_min` and `t_max`, or standing still beside the cube.
     #[inline(always)]
-    pub(super) fn exists(query: &Query, size: i32) -> bool {
-        let Query { origin: o, dir: d, t_min, t_max, .. } = query;
-        let finite = o.iter().chain(d).all(|x| x.is_finite());
+    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Option<Ray> {
+        let Query { origin: mut o, dir: d, t_min, t_max, .. } = *query;
+        // On an axis along which the ray never moves, rounding may have put the origin beside the voxel it is to start in,
+        // and no step would ever put that right.
+        if let Some(voxel) = query.start {
+            let p = voxel.decode();
+            for i in (0..3).filter(|i| d[*i] == 0.0) {
+                o[i] = f64::from(p[i]) + 0.5;
+            }
+        }
+        let finite = o.iter().chain(&d).all(|x| x.is_finite());
         let beside = |i: usize| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size));
         // The comparison of times also refuses NaN.
-        finite && *d != [0.0; 3] && t_min < t_max && !(0..3).any(beside)
-    }
+        if !finite || d == [0.0; 3] || !(t_min < t_max) || (0..3).any(beside) {
+            return None;
+        }
 
-    /// The ray of a query that [`Ray::exists`].
-    #[inline(always)]
-    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Ray {
-        let Query { origin: o, dir: d, t_min, t_max, .. } = *query;
         let mut ray = Ray {
             origin: [o[0], o[1], o[2], 0.0],
             dir: [d[0], d[1], d[2], 1.0],
@@ -83,56 +127,57 @@ impl Ray {
             inverse: [1.0 / (d[0] + 0.0), 1.0 / (d[1] + 0.0), 1.0 / (d[2] + 0.0), 1.0],
             up: [d[0], d[1], d[2], 1.0].map(|d| if d < 0.0 { 0 } else { -1 }),
             octant: (0..3).map(|i| usize::from(!(d[i] < 0.0)) << i).sum(),
+            t_min,
             t_max,
             stop: f64::NEG_INFINITY,
             time_slack: f64::INFINITY,
             half: [f64::NEG_INFINITY; 3],
+            strays: !EXACT || query.start.is_some(),
         };
-        ray.set_slack(t_min, size);
-        for i in 0..3 {
-            if d[i] == 0.0 {
-                ray.half[i] = 1.0;
-            }
-        }
+        ray.set_slack(size);
         if !EXACT {
             ray.time_slack = 0.0;
             ray.half = [1.0; 3];
         }
         ray.stop = t_max - ray.time_slack;
-        ray
+        Some(ray)
     }
 
     /// Bounds the errors of the f64 values; leaves the slacks infinite where numbers are so small or so large that
     /// products may under- or overflow.
     #[inline(always)]
-    fn set_slack(&mut self, t_min: f64, size: i32) {
+    fn set_slack(&mut self, size: i32) {
         const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
-        // One instruction each, where `f64::max` also asks for NaN, which cannot be here.
-        let max = |a: f64, b: f64| if a > b { a } else { b };
-        let min = |a: f64, b: f64| if a < b { a } else { b };
         // All times that matter lie between the cube's near and far planes, or are t_min.
-        let mut far = if t_min == f64::NEG_INFINITY { 0.0 } else { t_min.abs() };
-        let (mut near, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut largest, mut flattest) = (0.0, 0.0);
-        for i in 0..3 {
-            largest = max(largest, max(self.origin[i].abs(), self.dir[i].abs()));
-            if self.moving(i) {
-                let (a, b) = (self.t(i, 0), self.t(i, size));
-                let (a, b) = if self.up[i] != 0 { (a, b) } else { (b, a) };
-                (near, leave) = (max(near, a), min(leave, b));
-                flattest = max(flattest, self.inverse[i].abs());
-            }
-        }
-        far = max(far, max(near.abs(), leave.abs()));
+        let (near, leave) = (largest(self.nears(size)), smallest(self.fars(size)));
+        let start = if self.t_min == f64::NEG_INFINITY { 0.0 } else { self.t_min.abs() };
+        let far = largest([start, near.abs(), leave.abs()]);
+        let origin = axes(|i| self.origin[i].abs());
+        let dir = axes(|i| self.dir[i].abs());
+        let inverse = axes(|i| if self.moving(i) { self.inverse[i].abs() } else { 0.0 });
         // Products of these stay clear of both ends of the range. A NaN among the times fails, too.
-        if !(largest <= HUGE && flattest <= HUGE && (TINY..=HUGE).contains(&far)) {
+        let extreme = largest([largest(origin), largest(dir), largest(inverse)]);
+        if !(extreme <= HUGE && (TINY..=HUGE).contains(&far)) {
+            self.half = axes(|i| if self.moving(i) { self.half[i] } else { 1.0 });
             return;
         }
         self.time_slack = far * UNIT;
-        for i in 0..3 {
-            let terms = self.origin[i].abs() + self.dir[i].abs() * far + f64::from(size);
-            self.half[i] = 0.5 - terms * UNIT;
-        }
+        self.half = axes(|i| {
+            let terms = origin[i] + dir[i] * far + f64::from(size);
+            if self.moving(i) { 0.5 - terms * UNIT } else { 1.0 }
+        });
+    }
+
+    /// When the ray crosses the near planes of the cube, which face it, by f64 alone; never where it does not move.
+    #[inline(always)]
+    fn nears(&self, size: i32) -> [f64; 3] {
+        axes(|i| if self.moving(i) { self.t(i, size & !self.up[i]) } else { f64::NEG_INFINITY })
+    }
+
+    /// When it crosses the far ones.
+    #[inline(always)]
+    fn fars(&self, size: i32) -> [f64; 3] {
+        axes(|i| if self.moving(i) { self.t(i, size & self.up[i]) } else { f64::INFINITY })
     }
 
     /// Whether the ray moves along an axis.
@@ -176,7 +221,7 @@ impl Ray {
     /// The planes through which the ray leaves the cube of `side` (a power of two) around voxel `p`.
     #[inline(always)]
     pub(super) fn planes(&self, p: [i32; 3], side: i32) -> [i32; 3] {
-        core::array::from_fn(|i| (p[i] & -side) + (side & self.up[i]))
+        axes(|i| (p[i] & -side) + (side & self.up[i]))
     }
 
     /// First and last cell on an axis that the ray can reach from cell `p` before it crosses `plane`.
@@ -186,36 +231,69 @@ impl Ray {
         ((p & up) | (plane & !up), ((plane - 1) & up) | (p & !up))
     }
 
-    /// The planes through which the ray leaves a box of cells of a level: it begins at the cell of `p` and reaches so many
-    /// cells ahead.
+    /// The first voxel in the cube, by f64 values alone: `Err` if these are too close to tell, `Ok(None)` if the ray
+    /// certainly misses.
     #[inline(always)]
-    pub(super) fn box_planes(&self, p: [i32; 3], level: usize, reach: [i32; 3]) -> [i32; 3] {
-        core::array::from_fn(|i| {
-            let cell = p[i] >> level;
-            (if self.up[i] != 0 { cell + reach[i] } else { cell + 1 - reach[i] }) << level
-        })
+    pub(super) fn enter(&self, size: i32) -> Result<Option<[i32; 3]>, Unclear> {
+        let (nears, leave) = (self.nears(size), smallest(self.fars(size)));
+        let near = largest(nears);
+        let now = if near > self.t_min { near } else { self.t_min };
+        if now > leave + self.time_slack {
+            return Ok(None);
+        }
+        // It comes in through one near plane, after t_min, or is inside by then.
+        let close = nears.map(|t| !(t < near - self.time_slack));
+        let outside = near > self.t_min + self.time_slack;
+        let inside = near < self.t_min - self.time_slack;
+        let (places, doubt) = self.places(now);
+        let crossed = axes(|i| close[i] & outside);
+        let near = |i: usize| !crossed[i] & (doubt >> i & 1 != 0);
+        let clear = !(near(0) | near(1) | near(2));
+        if !((inside | outside & alone(close)) & clear & (now < leave - self.time_slack) & (now < self.stop)) {
+            return Err(Unclear);
+        }
+        Ok(Some(axes(|i| {
+            select(crossed[i], (size - 1) & !self.up[i], places[i].max(0).min(size - 1))
+        })))
     }
 
-    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `None` if f64 values
+    /// The axis whose plane the ray crossed last on its way into voxel `p`, by f64 values alone; `Err` if these are too
+    /// close to tell, or if that was before `t_min`.
+    #[inline(always)]
+    pub(super) fn entry_axis(&self, p: [i32; 3]) -> Result<usize, Unclear> {
+        let t = axes(|i| {
+            if self.moving(i) { self.t(i, p[i] + (1 & !self.up[i])) } else { f64::NEG_INFINITY }
+        });
+        let last = largest(t);
+        let close = t.map(|t| !(t < last - self.time_slack));
+        let axis = usize::from(close[1]) + 2 * usize::from(close[2]);
+        if alone(close) & (last > self.t_min + self.time_slack) { Ok(axis) } else { Err(Unclear) }
+    }
+
+    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `Err` if f64 values
     /// are too close to tell, or if that may be at `t_max` or later. `single`: the box is one voxel.
     #[inline(always)]
-    pub(super) fn step(&self, p: [i32; 3], planes: [i32; 3], single: bool) -> Option<[i32; 3]> {
-        let t: [f64; 3] = core::array::from_fn(|i| self.t(i, planes[i]));
-        let first = if t[1] < t[0] { t[1] } else { t[0] };
-        let now = if t[2] < first { t[2] } else { first };
+    pub(super) fn step(&self, p: [i32; 3], planes: [i32; 3], single: bool) -> Result<[i32; 3], Unclear> {
+        let t = axes(|i| self.t(i, planes[i]));
+        let now = smallest(t);
         let limit = now + self.time_slack;
         // A NaN is neither above nor below, and so counts as close.
-        let close = t.map(|t| !(t > limit));
+        let close = axes(|i| !(t[i] > limit));
         let (places, doubt) = self.places(now);
-        let alone = u8::from(close[0]) + u8::from(close[1]) + u8::from(close[2]) == 1;
-        let clear = (0..3).all(|i| close[i] | (doubt >> i & 1 == 0)) | single;
-        if !(alone & clear & (now < self.stop)) {
-            return None;
+        let near = axes(|i| !close[i] & (doubt >> i & 1 != 0));
+        let clear = single | !(near[0] | near[1] | near[2]);
+        if !(alone(close) & clear & (now < self.stop)) {
+            return Err(Unclear);
         }
-        Some(core::array::from_fn(|i| {
-            let (low, high) = self.ahead(i, p[i], planes[i]);
-            if close[i] { planes[i] + !self.up[i] } else { places[i].max(low).min(high) }
-        }))
+        // What is certain lies in the box.
+        let mut next = if single { p } else { places };
+        if self.strays {
+            next = axes(|i| {
+                let (low, high) = self.ahead(i, p[i], planes[i]);
+                next[i].max(low).min(high)
+            });
+        }
+        Ok(axes(|i| select(close[i], planes[i] + !self.up[i], next[i])))
     }
 
     /// The order in which two crossings enter their voxels; equal ones enter together.
