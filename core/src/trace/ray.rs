@@ -274,26 +274,54 @@ impl Ray {
     /// are too close to tell, or if that may be at `t_max` or later. `single`: the box is one voxel.
     #[inline(always)]
     pub(super) fn step(&self, p: [i32; 3], planes: [i32; 3], single: bool) -> Result<[i32; 3], Unclear> {
+        // A branch on the axis is often foreseen, and then nothing waits for the comparison.
         let t = axes(|i| self.t(i, planes[i]));
-        let now = smallest(t);
+        if t[1] < t[0] {
+            if t[2] < t[1] { self.cross::<2>(p, planes, t, single) } else { self.cross::<1>(p, planes, t, single) }
+        } else if t[2] < t[0] {
+            self.cross::<2>(p, planes, t, single)
+        } else {
+            self.cross::<0>(p, planes, t, single)
+        }
+    }
+
+    /// The same if the plane of axis `A` comes first.
+    #[inline(always)]
+    fn cross<const A: usize>(
+        &self,
+        p: [i32; 3],
+        planes: [i32; 3],
+        t: [f64; 3],
+        single: bool,
+    ) -> Result<[i32; 3], Unclear> {
+        let (b, c) = ((A + 1) % 3, (A + 2) % 3);
+        let now = t[A];
         let limit = now + self.time_slack;
+        let mut next = p;
+        next[A] = planes[A] + !self.up[A];
+        let ((pb, cb), (pc, cc)) = (self.place(b, now), self.place(c, now));
         // A NaN is neither above nor below, and so counts as close.
-        let close = axes(|i| !(t[i] > limit));
-        let (places, doubt) = self.places(now);
-        let near = axes(|i| !close[i] & (doubt >> i & 1 != 0));
-        let clear = single | !(near[0] | near[1] | near[2]);
-        if !(alone(close) & clear & (now < self.stop)) {
+        if !((t[b] > limit) & (t[c] > limit) & (now < self.stop) & (single | cb & cc)) {
             return Err(Unclear);
         }
-        // What is certain lies in the box.
-        let mut next = if single { p } else { places };
-        if self.strays {
-            next = axes(|i| {
-                let (low, high) = self.ahead(i, p[i], planes[i]);
-                next[i].max(low).min(high)
-            });
+        if !single {
+            (next[b], next[c]) = (pb, pc);
         }
-        Ok(axes(|i| select(close[i], planes[i] + !self.up[i], next[i])))
+        if self.strays {
+            for i in [b, c] {
+                let (low, high) = self.ahead(i, p[i], planes[i]);
+                next[i] = next[i].max(low).min(high);
+            }
+        }
+        Ok(next)
+    }
+
+    #[inline(always)]
+    fn place(&self, i: usize, t: f64) -> (i32, bool) {
+        const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
+        let middle = self.origin[i] + self.dir[i] * t - 0.5;
+        let rounded = middle + ROUND;
+        (rounded.to_bits() as i32, (middle - (rounded - ROUND)).abs() < self.half[i])
     }
 
     /// The order in which two crossings enter their voxels; equal ones enter together.
