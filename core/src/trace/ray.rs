@@ -299,12 +299,15 @@ impl Ray {
         let limit = now + self.time_slack;
         let mut next = p;
         next[A] = planes[A] + !self.up[A];
-        let ((pb, cb), (pc, cc)) = (self.place(b, now), self.place(c, now));
         // A NaN is neither above nor below, and so counts as close.
-        if !((t[b] > limit) & (t[c] > limit) & (now < self.stop) & (single | cb & cc)) {
+        if !((t[b] > limit) & (t[c] > limit) & (now < self.stop)) {
             return Err(Unclear);
         }
         if !single {
+            let ((pb, cb), (pc, cc)) = (self.place(b, now), self.place(c, now));
+            if !(cb & cc) {
+                return Err(Unclear);
+            }
             (next[b], next[c]) = (pb, pc);
         }
         if self.strays {
