@@ -32,7 +32,7 @@ pub(super) struct Ray {
     /// Times that are further apart are in the order of their f64 values.
     time_slack: f64,
     /// Places that are further from the middle of a cell than this half of its width are too close to a plane to tell.
-    half: [f64; 3],
+    half: f64,
     /// Whether the voxels may lie off the line: by f64 alone, or begun in a voxel that somebody else found.
     strays: bool,
 }
@@ -52,6 +52,24 @@ fn largest([a, b, c]: [f64; 3]) -> f64 {
 fn smallest([a, b, c]: [f64; 3]) -> f64 {
     let ab = if b < a { b } else { a };
     if c < ab { c } else { ab }
+}
+
+/// The origin of a query that does not move along some axes, with these coordinates in the middle of their voxel: the ray
+/// meets the same voxels, and is clear of all planes. `None` if it moves nowhere, or stands beside the cube.
+#[cold]
+#[inline(never)]
+fn stand_still(query: &Query, size: i32) -> Option<[f64; 3]> {
+    let mut origin = query.origin;
+    for i in (0..3).filter(|i| query.dir[*i] == 0.0) {
+        // Rounding may have put the origin beside the voxel it is to start in, and no step would ever put that right.
+        let k = match query.start {
+            Some(voxel) => f64::from(voxel.decode()[i]),
+            None if origin[i] >= 0.0 && origin[i] < f64::from(size) => f64::from(origin[i] as i32),
+            None => return None,
+        };
+        origin[i] = k + 0.5;
+    }
+    (query.dir != [0.0; 3]).then_some(origin)
 }
 
 /// Something of each axis.
@@ -105,79 +123,63 @@ impl Ray {
     #[inline(always)]
     pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Option<Ray> {
         let Query { origin: mut o, dir: d, t_min, t_max, .. } = *query;
-        // On an axis along which the ray never moves, rounding may have put the origin beside the voxel it is to start in,
-        // and no step would ever put that right.
-        if let Some(voxel) = query.start {
-            let p = voxel.decode();
-            for i in (0..3).filter(|i| d[*i] == 0.0) {
-                o[i] = f64::from(p[i]) + 0.5;
-            }
+        // The comparison also refuses NaN.
+        if !(t_min < t_max) {
+            return None;
         }
-        let finite = o.iter().chain(&d).all(|x| x.is_finite());
-        let beside = |i: usize| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size));
-        // The comparison of times also refuses NaN.
-        if !finite || d == [0.0; 3] || !(t_min < t_max) || (0..3).any(beside) {
+        let still = axes(|i| d[i] == 0.0);
+        if still[0] | still[1] | still[2] {
+            o = stand_still(query, size)?;
+        }
+        // Where a sum is below a bound, all its terms are, and none is NaN.
+        let sum = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
+        let (far_out, speed) = (sum(o), sum(d));
+        let slowest = smallest(axes(|i| if still[i] { 1.0 } else { d[i].abs() }));
+        let tame = (far_out <= HUGE) & (speed <= HUGE) & (slowest >= TINY);
+        if !tame && !o.iter().chain(&d).all(|x| x.is_finite()) {
             return None;
         }
 
+        let up = axes(|i| if d[i] < 0.0 { 0 } else { -1 });
         let mut ray = Ray {
             origin: [o[0], o[1], o[2], 0.0],
             dir: [d[0], d[1], d[2], 1.0],
             // Of both zeros the positive one: up is where the plane ahead lies.
             inverse: [1.0 / (d[0] + 0.0), 1.0 / (d[1] + 0.0), 1.0 / (d[2] + 0.0), 1.0],
-            up: [d[0], d[1], d[2], 1.0].map(|d| if d < 0.0 { 0 } else { -1 }),
-            octant: (0..3).map(|i| usize::from(!(d[i] < 0.0)) << i).sum(),
+            up: [up[0], up[1], up[2], -1],
+            octant: (up[0] & 1 | up[1] & 2 | up[2] & 4) as usize,
             t_min,
             t_max,
             stop: f64::NEG_INFINITY,
             time_slack: f64::INFINITY,
-            half: [f64::NEG_INFINITY; 3],
+            half: f64::NEG_INFINITY,
             strays: !EXACT || query.start.is_some(),
         };
-        ray.set_slack(size);
+        // Bound the errors of the f64 values. All times that matter lie between the cube's near and far planes, or are
+        // t_min. Where products may under- or overflow, the slacks stay infinite.
+        let start = if t_min == f64::NEG_INFINITY { 0.0 } else { t_min.abs() };
+        let far = largest([start, largest(ray.nears(size)).abs(), smallest(ray.fars(size)).abs()]);
         if !EXACT {
-            ray.time_slack = 0.0;
-            ray.half = [1.0; 3];
+            (ray.time_slack, ray.half) = (0.0, 1.0);
+        } else if tame & (far >= TINY) & (far <= HUGE) {
+            const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
+            ray.time_slack = far * UNIT;
+            ray.half = 0.5 - (far_out + speed * far + f64::from(size)) * UNIT;
         }
         ray.stop = t_max - ray.time_slack;
         Some(ray)
     }
 
-    /// Bounds the errors of the f64 values; leaves the slacks infinite where numbers are so small or so large that
-    /// products may under- or overflow.
-    #[inline(always)]
-    fn set_slack(&mut self, size: i32) {
-        const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
-        // All times that matter lie between the cube's near and far planes, or are t_min.
-        let (near, leave) = (largest(self.nears(size)), smallest(self.fars(size)));
-        let start = if self.t_min == f64::NEG_INFINITY { 0.0 } else { self.t_min.abs() };
-        let far = largest([start, near.abs(), leave.abs()]);
-        let origin = axes(|i| self.origin[i].abs());
-        let dir = axes(|i| self.dir[i].abs());
-        let inverse = axes(|i| if self.moving(i) { self.inverse[i].abs() } else { 0.0 });
-        // Products of these stay clear of both ends of the range. A NaN among the times fails, too.
-        let extreme = largest([largest(origin), largest(dir), largest(inverse)]);
-        if !(extreme <= HUGE && (TINY..=HUGE).contains(&far)) {
-            self.half = axes(|i| if self.moving(i) { self.half[i] } else { 1.0 });
-            return;
-        }
-        self.time_slack = far * UNIT;
-        self.half = axes(|i| {
-            let terms = origin[i] + dir[i] * far + f64::from(size);
-            if self.moving(i) { 0.5 - terms * UNIT } else { 1.0 }
-        });
-    }
-
     /// When the ray crosses the near planes of the cube, which face it, by f64 alone; never where it does not move.
     #[inline(always)]
     fn nears(&self, size: i32) -> [f64; 3] {
-        axes(|i| if self.moving(i) { self.t(i, size & !self.up[i]) } else { f64::NEG_INFINITY })
+        axes(|i| self.t(i, size & !self.up[i]))
     }
 
     /// When it crosses the far ones.
     #[inline(always)]
     fn fars(&self, size: i32) -> [f64; 3] {
-        axes(|i| if self.moving(i) { self.t(i, size & self.up[i]) } else { f64::INFINITY })
+        axes(|i| self.t(i, size & self.up[i]))
     }
 
     /// Whether the ray moves along an axis.
@@ -203,19 +205,14 @@ impl Ray {
         Crossing { axis, plane: f64::from(plane), t: self.t(axis, plane) }
     }
 
-    /// The voxel's coordinates at time `t` by f64 alone, and a bit for each axis on which they are too close to a plane.
+    /// The voxel's coordinate on an axis at time `t` by f64 alone, and whether that is certain: no plane is too close.
     #[inline(always)]
-    fn places(&self, t: f64) -> ([i32; 3], u32) {
+    fn place(&self, axis: usize, t: f64) -> (i32, bool) {
         // Adding this number rounds to an integer and leaves it in the low bits.
         const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
-        let (mut places, mut doubt) = ([0; 3], 0);
-        for i in 0..3 {
-            let middle = self.origin[i] + self.dir[i] * t - 0.5;
-            let rounded = middle + ROUND;
-            places[i] = rounded.to_bits() as i32;
-            doubt |= u32::from(!((middle - (rounded - ROUND)).abs() < self.half[i])) << i;
-        }
-        (places, doubt)
+        let middle = self.origin[axis] + self.dir[axis] * t - 0.5;
+        let rounded = middle + ROUND;
+        (rounded.to_bits() as i32, (middle - (rounded - ROUND)).abs() < self.half)
     }
 
     /// The planes through which the ray leaves the cube of `side` (a power of two) around voxel `p`.
@@ -245,15 +242,15 @@ impl Ray {
         let close = nears.map(|t| !(t < near - self.time_slack));
         let outside = near > self.t_min + self.time_slack;
         let inside = near < self.t_min - self.time_slack;
-        let (places, doubt) = self.places(now);
+        let places = axes(|i| self.place(i, now));
         let crossed = axes(|i| close[i] & outside);
-        let near = |i: usize| !crossed[i] & (doubt >> i & 1 != 0);
-        let clear = !(near(0) | near(1) | near(2));
+        let certain = axes(|i| crossed[i] | places[i].1);
+        let clear = certain[0] & certain[1] & certain[2];
         if !((inside | outside & alone(close)) & clear & (now < leave - self.time_slack) & (now < self.stop)) {
             return Err(Unclear);
         }
         Ok(Some(axes(|i| {
-            select(crossed[i], (size - 1) & !self.up[i], places[i].max(0).min(size - 1))
+            select(crossed[i], (size - 1) & !self.up[i], places[i].0.max(0).min(size - 1))
         })))
     }
 
@@ -261,9 +258,7 @@ impl Ray {
     /// close to tell, or if that was before `t_min`.
     #[inline(always)]
     pub(super) fn entry_axis(&self, p: [i32; 3]) -> Result<usize, Unclear> {
-        let t = axes(|i| {
-            if self.moving(i) { self.t(i, p[i] + (1 & !self.up[i])) } else { f64::NEG_INFINITY }
-        });
+        let t = axes(|i| self.t(i, p[i] + (1 & !self.up[i])));
         let last = largest(t);
         let close = t.map(|t| !(t < last - self.time_slack));
         let axis = usize::from(close[1]) + 2 * usize::from(close[2]);
@@ -319,14 +314,6 @@ impl Ray {
         Ok(next)
     }
 
-    #[inline(always)]
-    fn place(&self, i: usize, t: f64) -> (i32, bool) {
-        const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
-        let middle = self.origin[i] + self.dir[i] * t - 0.5;
-        let rounded = middle + ROUND;
-        (rounded.to_bits() as i32, (middle - (rounded - ROUND)).abs() < self.half[i])
-    }
-
     /// The order in which two crossings enter their voxels; equal ones enter together.
     #[inline]
     pub(super) fn order<const EXACT: bool>(&self, a: &Crossing, b: &Crossing) -> Ordering {
@@ -358,14 +345,14 @@ impl Ray {
 
     /// The cell on an axis within `low..=high` that the ray is in once `now` has been crossed.
     pub(super) fn cell<const EXACT: bool>(&self, axis: usize, now: &Crossing, low: i32, high: i32) -> i32 {
-        let (places, doubt) = self.places(now.t);
+        let (place, certain) = self.place(axis, now.t);
         let (mut low, mut high) = (low, high);
-        if doubt >> axis & 1 == 0 {
-            return places[axis].max(low).min(high);
+        if certain {
+            return place.max(low).min(high);
         }
         // The place is near a plane: only the cells beside it are left, unless f64 cannot tell at all.
-        if self.half[axis] > 0.25 {
-            (low, high) = ((places[axis] - 1).max(low).min(high), (places[axis] + 1).max(low).min(high));
+        if self.half > 0.25 {
+            (low, high) = ((place - 1).max(low).min(high), (place + 1).max(low).min(high));
         }
         // Bisect: ask of planes whether they have been crossed.
         while low < high {

@@ -10,7 +10,7 @@
 
 use core::cmp::Ordering;
 
-use super::ray::{Crossing, Ray, Unclear};
+use super::ray::{Crossing, Ray, Unclear, axes};
 use super::top::Cell;
 use super::{Face, Hit, Query, Tracer};
 use crate::dag::BRICK_LEVEL;
@@ -177,13 +177,13 @@ pub(super) fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size:
         && !started(p)
     {
         let positive = ray.up[i] != 0;
-        let mut from = p;
-        from[i] += if positive { -1 } else { 1 };
+        let before = if positive { p[i] - 1 } else { p[i] + 1 };
         let entry = if positive { p[i] == low[i] } else { p[i] == low[i] + side - 1 };
         let face = if entry { FACES[i][usize::from(positive)] } else { Face::Inside };
         let t = ray.time(&ray.crossing(i, p[i] + (1 & !ray.up[i]))).max(query.t_min);
-        let inside = from[i] >= 0 && from[i] < size;
-        return Hit { voxel: code(low), from: inside.then(|| code(from)), t, level, face };
+        let inside = before >= 0 && before < size;
+        let from = inside.then(|| code(axes(|k| if k == i { before } else { p[k] })));
+        return Hit { voxel: code(low), from, t, level, face };
     }
     arrive_close::<EXACT>(ray, p, level, size, query)
 }
