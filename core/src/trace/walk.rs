@@ -51,7 +51,7 @@ pub(super) fn begin<const EXACT: bool>(query: &Query, size: i32) -> Option<(Ray,
 
 /// From voxel `p` to the first filled one, and the level of what was hit. With `TOP` the tracer has a top grid, and its
 /// cells are no smaller than `min_level`.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn walk<const EXACT: bool, const TOP: bool>(
     tracer: &Tracer<'_>,
     ray: &Ray,
