@@ -4,7 +4,7 @@
 
 use super::ray::Ray;
 use super::walk::{arrive, begin, walk};
-use super::{Hit, Query, Tracer};
+use super::{Hit, Query, Steps, Tracer};
 use crate::morton::{BITS, Morton};
 
 /// Iterator over the filled voxels along a ray. See [`Tracer::hits`].
@@ -56,9 +56,9 @@ impl Iterator for Hits<'_> {
         let size = 1 << self.tracer.dag.depth();
         let min_level = self.query.min_level;
         let (p, level) = if self.tracer.serves(&self.query) {
-            walk::<true, true>(&self.tracer, &ray, p, min_level, &mut 0)?
+            walk::<true, true>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
         } else {
-            walk::<true, false>(&self.tracer, &ray, p, min_level, &mut 0)?
+            walk::<true, false>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
         };
         let hit = arrive::<true>(&ray, p, level, size, &self.query);
         self.next = behind(&ray, p, 1 << level, size).map(|next| (ray, next));

@@ -37,6 +37,9 @@ pub(super) struct Ray {
     strays: bool,
 }
 
+/// What the errors of f64 values are measured in, with room to spare: 16 x 2^-53.
+pub(super) const UNIT: f64 = f64::from_bits((1023 - 49) << 52);
+
 /// What f64 values are too close to tell.
 pub(super) struct Unclear;
 
@@ -161,8 +164,7 @@ impl Ray {
         let far = largest([start, largest(ray.nears(size)).abs(), smallest(ray.fars(size)).abs()]);
         if !EXACT {
             (ray.time_slack, ray.half) = (0.0, 1.0);
-        } else if tame & (far >= TINY) & (far <= HUGE) {
-            const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
+        } else if tame && (TINY..=HUGE).contains(&far) {
             ray.time_slack = far * UNIT;
             ray.half = 0.5 - (far_out + speed * far + f64::from(size)) * UNIT;
         }
@@ -180,6 +182,18 @@ impl Ray {
     #[inline(always)]
     fn fars(&self, size: i32) -> [f64; 3] {
         axes(|i| self.t(i, size & self.up[i]))
+    }
+
+    /// Times that are further apart are in the order of their f64 values.
+    #[cfg(test)]
+    pub(super) fn time_slack(&self) -> f64 {
+        self.time_slack
+    }
+
+    /// Places that are further from the middle of a cell are too close to a plane to tell.
+    #[cfg(test)]
+    pub(super) fn half(&self) -> f64 {
+        self.half
     }
 
     /// Whether the ray moves along an axis.
@@ -207,7 +221,7 @@ impl Ray {
 
     /// The voxel's coordinate on an axis at time `t` by f64 alone, and whether that is certain: no plane is too close.
     #[inline(always)]
-    fn place(&self, axis: usize, t: f64) -> (i32, bool) {
+    pub(super) fn place(&self, axis: usize, t: f64) -> (i32, bool) {
         // Adding this number rounds to an integer and leaves it in the low bits.
         const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
         let middle = self.origin[axis] + self.dir[axis] * t - 0.5;
@@ -249,9 +263,7 @@ impl Ray {
         if !((inside | outside & alone(close)) & clear & (now < leave - self.time_slack) & (now < self.stop)) {
             return Err(Unclear);
         }
-        Ok(Some(axes(|i| {
-            select(crossed[i], (size - 1) & !self.up[i], places[i].0.max(0).min(size - 1))
-        })))
+        Ok(Some(axes(|i| select(crossed[i], (size - 1) & !self.up[i], places[i].0.max(0).min(size - 1)))))
     }
 
     /// The axis whose plane the ray crossed last on its way into voxel `p`, by f64 values alone; `Err` if these are too

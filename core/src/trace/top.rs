@@ -136,6 +136,15 @@ impl<'a> Top<'a> {
         self.level as usize
     }
 
+    /// The node of the cell around a voxel; `None` if it is empty.
+    #[inline]
+    pub(super) fn node(&self, voxel: [u32; 3]) -> Option<usize> {
+        match self.cell(voxel.map(|x| x as i32), 0) {
+            Cell::Node(node) => Some(node as usize),
+            Cell::Empty(_) => None,
+        }
+    }
+
     /// The cell around voxel `p`, for rays that head to `octant`.
     #[inline(always)]
     pub(super) fn cell(&self, p: [i32; 3], octant: usize) -> Cell {

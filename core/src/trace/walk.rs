@@ -12,18 +12,18 @@ use core::cmp::Ordering;
 
 use super::ray::{Crossing, Ray, Unclear, axes};
 use super::top::Cell;
-use super::{Face, Hit, Query, Tracer};
+use super::{Face, Hit, Query, Steps, Tracer};
 use crate::dag::BRICK_LEVEL;
 use crate::morton::Morton;
 
-/// Nearest hit, and the number of rounds that it took.
+/// Nearest hit, and what it took.
 #[inline(never)]
-pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, u32) {
-    let mut rounds = 0;
+pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, Steps) {
+    let mut steps = Steps::default();
     let size = 1i32 << tracer.dag.depth();
-    let Some((ray, start)) = begin::<EXACT>(query, size) else { return (None, rounds) };
-    let found = walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut rounds);
-    (found.map(|(p, level)| arrive::<EXACT>(&ray, p, level, size, query)), rounds)
+    let Some((ray, start)) = begin::<EXACT>(query, size) else { return (None, steps) };
+    let found = walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut steps);
+    (found.map(|(p, level)| arrive::<EXACT>(&ray, p, level, size, query)), steps)
 }
 
 /// Any hit.
@@ -31,7 +31,7 @@ pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, que
 pub(super) fn occluded<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> bool {
     let size = 1i32 << tracer.dag.depth();
     let Some((ray, start)) = begin::<EXACT>(query, size) else { return false };
-    walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut 0).is_some()
+    walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut Steps::default()).is_some()
 }
 
 /// The ray of a query and its first voxel in a cube of `size` voxels; `None` for a miss.
@@ -57,7 +57,7 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
     ray: &Ray,
     mut p: [i32; 3],
     min_level: u8,
-    rounds: &mut u32,
+    steps: &mut Steps,
 ) -> Option<([i32; 3], u8)> {
     let dag = tracer.dag;
     let depth = dag.depth();
@@ -73,7 +73,7 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
     nodes[level & 31] = dag.root() as u32;
     let top = if TOP { tracer.top } else { None };
     loop {
-        *rounds += 1;
+        steps.rounds += 1;
         let (planes, single) = 'empty: {
             // Above the top grid's cells, look up the cell: its node, or the box that is empty ahead.
             if let Some(top) = &top
@@ -117,7 +117,10 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
         // Leave the box through the plane that comes first, and follow the ray on the other axes.
         let next = match ray.step(p, planes, single) {
             Ok(next) => next,
-            Err(Unclear) => ray.step_close::<EXACT>(p, planes)?,
+            Err(Unclear) => {
+                steps.close += 1;
+                ray.step_close::<EXACT>(p, planes)?
+            }
         };
         if (next[0] | next[1] | next[2]) & outside != 0 {
             return None;
