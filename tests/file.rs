@@ -231,8 +231,8 @@ fn files_of_other_kinds_are_named() {
     }
     assert_eq!(file::words_from_bytes(&bytes(&words)).as_deref(), Ok(&words[..]));
     let mut later = words;
-    later[1] = 2;
-    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: 2 });
+    later[1] = 3;
+    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: 3 });
 }
 
 #[test]

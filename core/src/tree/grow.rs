@@ -21,9 +21,16 @@ enum Cube {
     /// All its voxels are of one material.
     One(MaterialId),
     /// Of two, in ascending order: its bits (a pattern or a node of its level), and whether they are swapped.
-    Two { ids: [MaterialId; 2], at: u32, swap: bool },
+    Two {
+        ids: [MaterialId; 2],
+        at: u32,
+        swap: bool,
+    },
     /// Of more: its entry, and the material of its first voxel.
-    More { entry: u32, first: MaterialId },
+    More {
+        entry: u32,
+        first: MaterialId,
+    },
 }
 
 impl Cube {

@@ -28,9 +28,10 @@ impl<const N: usize> Interned<N> {
         if let Some(found) = self.set.find(key, |&i| self.list[i as usize] == record) {
             return Ok(*found);
         }
-        let number = u32::try_from(self.list.len()).ok().filter(|n| *n < super::MOST).ok_or(BuildError::Words {
-            needed: u64::from(super::MOST) * N as u64,
-        })?;
+        let number = u32::try_from(self.list.len())
+            .ok()
+            .filter(|n| *n < super::MOST)
+            .ok_or(BuildError::Words { needed: u64::from(super::MOST) * N as u64 })?;
         let bytes = self.bytes() + 4 * N as u64 + 5;
         self.list.try_reserve(1).map_err(|_| BuildError::Memory { bytes })?;
         let list = &self.list;

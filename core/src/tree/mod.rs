@@ -3,7 +3,8 @@
 //! In: materials of the filled voxels, brick by brick along the Morton curve. Out: flat words. A cube whose filled voxels
 //! are of one material is one entry, however large; below a cube of two materials only bits are left, in nodes that equal
 //! ones share, also mirrored in value (the two swapped); whatever an empty voxel says is chosen so that more is equal.
-//! An empty voxel answers with a material of the smallest cube around it that holds any voxel, so coarser levels can be asked.
+//! An empty voxel answers with a material of the smallest cube around it (a brick or more) that holds any, so coarser levels
+//! can be asked.
 //! Ours; don't-care compression of a tree over space as in van der Laan et al. (2020, section 5), two-valued subtrees are new.
 //!
 //! ```text
@@ -209,8 +210,8 @@ impl<'a> Tree<'a> {
         self.words[0] as u8
     }
 
-    /// The material of a voxel; of an empty one that of some voxel in the smallest cube of the octree around it that holds
-    /// any. 0 outside the cube.
+    /// The material of a voxel; of an empty one that of some voxel in the smallest cube of the octree around it, from bricks
+    /// upwards, that holds any. 0 outside the cube.
     #[inline]
     pub fn get(&self, voxel: Morton) -> MaterialId {
         if voxel.0 >> (3 * u32::from(self.root)) != 0 {
