@@ -7,17 +7,19 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo test)
+ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo test targets)
 
-# Both lock files are committed and fit their manifests.
+# The lock files are committed and fit their manifests.
 check_lock() {
-    cargo metadata --locked --format-version 1 >/dev/null
-    cargo metadata --locked --format-version 1 --manifest-path fuzz/Cargo.toml >/dev/null
+    local folder
+    for folder in . fuzz tests/bare; do
+        cargo metadata --locked --format-version 1 --manifest-path "$folder/Cargo.toml" >/dev/null
+    done
 }
 
 check_fmt() {
     cargo fmt --all --check
-    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs
+    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs tests/bare/build.rs tests/bare/src/*.rs
 }
 
 check_clippy() {
@@ -67,6 +69,38 @@ check_test() {
     local command='cargo test --workspace'
     in_readme "$command"
     $command
+}
+
+# The same words, rays and pixels from every kind of machine code; the hashes stand in tests/golden/src/hashes.rs.
+check_targets() {
+    local target=${CARGO_TARGET_DIR:-$PWD/target} golden=(--locked -p voxdag-golden) failed=() flags
+    export CARGO_TARGET_DIR=$target
+
+    # This machine: unoptimised with all checks, optimised, and with every instruction that its processor has.
+    cargo run "${golden[@]}" --config profile.dev.opt-level=0 || failed+=(debug)
+    cargo run "${golden[@]}" --release || failed+=(release)
+    RUSTFLAGS="-C target-cpu=native" cargo run "${golden[@]}" --release --target-dir "$target/native" || failed+=(native)
+
+    # wasm32 in node, without vectors and with them.
+    for flags in "" "-C target-feature=+simd128"; do
+        RUSTFLAGS=$flags cargo build "${golden[@]}" --release --target wasm32-unknown-unknown
+        node tests/golden/wasm.mjs "$target/wasm32-unknown-unknown/release/voxdag-golden.wasm" || failed+=("wasm32 $flags")
+    done
+
+    # A microcontroller with 32-bit words and f64 in software: from files in flash without a heap, then from the meshes.
+    if command -v qemu-system-arm >/dev/null; then
+        cd tests/bare
+        for flags in "--bin draw" "--bin pipeline --features heap"; do
+            cargo clippy --locked --release $flags -- -D warnings
+            timeout 600 cargo run --locked --release $flags || failed+=("arm $flags")
+        done
+    else
+        echo "SKIPPED: 32-bit ARM, as qemu-system-arm is missing (apt-get install qemu-system-arm)"
+    fi
+    if ((${#failed[@]})); then
+        printf 'not the same as everywhere: %s\n' "${failed[@]}" >&2
+        exit 1
+    fi
 }
 
 check_fuzz() {
