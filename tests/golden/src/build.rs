@@ -18,6 +18,7 @@ use crate::shapes::{self, MATERIALS, Shape};
 pub fn words(name: &str) -> Option<Result<Vec<u32>, String>> {
     let exact = Options::default();
     let built = match name {
+        "tiny" => small(shapes::tiny(), 9, UpAxis::Z, exact),
         "ball" => small(shapes::ball(), 90, UpAxis::Y, Options { materials: MaterialMode::None, ..exact }),
         "ring" => {
             let options = Options { cover: Cover::Inflated, materials: MaterialMode::TableNormals, ..exact };

@@ -15,7 +15,7 @@ use crate::hashes::Case;
 
 /// Room for the materials of a scene.
 const PALETTE: usize = 32;
-/// Room for a row of pixels.
+/// Room for a row of pixels; pictures are not higher either.
 const WIDTH: usize = 128;
 /// The picture is traced with a top grid of 2^TOP cells a side, the rays without.
 const TOP: u8 = 2;
@@ -41,14 +41,15 @@ impl Stage {
     }
 }
 
-/// The hash of everything that one ray per pixel of a small picture meets.
+/// The hash of everything that one ray per four pixels of the picture meets.
 pub fn rays(scene: &Scene<'_>, case: &Case) -> Result<u64, RenderError> {
-    const SIZE: [usize; 2] = [36, 27];
     let stage = Stage::of(scene, case);
     let mut hash = Hash::default();
-    let mut nothing = [(); SIZE[0] * SIZE[1]];
-    let size = SIZE.map(|side| side as u32);
-    each_pixel(&stage.camera, &scene.grid, size, 0..size[1], &mut nothing, |pixel| {
+    let size = case.size.map(|side| side / 2);
+    // Nothing is kept, and a list of that takes no memory.
+    let mut nothing = [(); WIDTH * WIDTH];
+    let nothing = &mut nothing[..(size[0] * size[1]) as usize];
+    each_pixel(&stage.camera, &scene.grid, size, 0..size[1], nothing, |pixel| {
         let query = pixel.query([0.5; 2]);
         for arithmetic in [Arithmetic::Exact, Arithmetic::F64] {
             for min_level in [3, 1, 0] {

@@ -145,23 +145,26 @@ mod tests {
         assert_eq!(hash.0, expected);
     }
 
+    /// Under an interpreter the first scene must do.
     #[test]
     #[cfg(feature = "hall")]
     fn every_scene_has_its_hashes() {
         let mut report = alloc::string::String::new();
-        assert_eq!(check_all(&mut report), Ok(0), "{report}");
+        for case in &hashes::CASES[..if cfg!(miri) { 1 } else { hashes::CASES.len() }] {
+            let words = build::words(case.name).expect("all features are there").expect("the scene is built");
+            assert_eq!(check(case, &words, &mut report), Ok(0), "{report}");
+        }
     }
 
-    /// A word more, a word less or another word: said with the scene, the stage and both hashes.
     #[test]
     #[cfg(feature = "build")]
-    fn a_difference_is_reported() {
-        let case = &hashes::CASES[0];
-        let mut words = build::words(case.name).unwrap().unwrap();
+    fn a_difference_is_named_with_scene_stage_and_both_hashes() {
+        let [case, ..] = hashes::CASES;
+        let words = build::words(case.name).expect("all features are there").expect("the scene is built");
+        let [file, rays, image] = case.hashes;
         let mut report = alloc::string::String::new();
-        // The eye's own place in a file: the picture stays, what the file says of its unit does not.
-        words[29] ^= 1;
-        assert_eq!(check(case, &words, &mut report), Ok(1));
-        assert!(report.contains("ball"), "{report}");
+        assert_eq!(check(&Case { hashes: [file, rays ^ 1, image], ..case }, &words, &mut report), Ok(1));
+        let expected = alloc::format!(": tiny, stage rays: expected {:#018x}, found {rays:#018x}\n", rays ^ 1);
+        assert!(report.ends_with(&expected), "{report}");
     }
 }

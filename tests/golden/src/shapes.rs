@@ -18,7 +18,7 @@ pub const MATERIALS: usize = 3;
 
 impl Shape {
     fn new(positions: Vec<[f64; 3]>, triangles: Vec<[u32; 3]>) -> Shape {
-        let materials = (0..triangles.len()).map(|i| (i / 7 % MATERIALS) as u16).collect();
+        let materials = (0..triangles.len()).map(|i| (i % MATERIALS) as u16).collect();
         Shape { positions, triangles, materials }
     }
 
@@ -42,6 +42,12 @@ impl Shape {
         }
         Shape::new(positions, triangles)
     }
+}
+
+/// Two triangles askew.
+pub fn tiny() -> Shape {
+    let positions = [[0.1, 0.0, 0.2], [3.3, 0.7, 0.0], [1.0, 3.1, 2.9], [0.0, 2.0, 1.1]];
+    Shape::new(positions.into(), [[0, 1, 2], [0, 2, 3]].into())
 }
 
 /// A ball in a far corner of the world, where coordinates have few digits behind the point.
