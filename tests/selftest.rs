@@ -1,0 +1,57 @@
+//! The short run of `voxdag selftest`: the core is never wrong, and the cases are hard enough for others to be.
+
+use voxdag_oracle::selftest::{self, Tally};
+
+/// Runs the cases of a group and gives the tally of each.
+fn run(group: &str) -> Vec<(String, Tally)> {
+    let cases = selftest::cases().into_iter().filter(|case| case.group == group);
+    cases
+        .map(|case| {
+            let tally = case.run(false);
+            println!("{group}: {}: {} tried, wrong {} {} {}", case.name, tally.tried, tally.f32, tally.f64, tally.ours);
+            assert_eq!(tally.ours, 0, "{group}: {}: {:?}", case.name, tally.first);
+            (case.name, tally)
+        })
+        .collect()
+}
+
+/// The wrong answers of the cases whose name has a word in it.
+fn wrong(tallies: &[(String, Tally)], word: &str) -> [u64; 2] {
+    let some = tallies.iter().filter(|(name, _)| name.contains(word));
+    some.fold([0; 2], |[a, b], (_, tally)| [a + tally.f32, b + tally.f64])
+}
+
+#[test]
+fn overlap() {
+    let tallies = run("overlap");
+    assert!(tallies.iter().all(|(_, tally)| tally.tried > 500));
+    // Single precision loses slivers, double precision planes through corners of the largest grid.
+    assert!(wrong(&tallies, "slivers, 2^16")[0] > 50 && wrong(&tallies, "slivers")[1] == 0);
+    assert!(wrong(&tallies, "x + y + z = c, 2^21")[0] > 0);
+}
+
+#[test]
+fn rays() {
+    let tallies = run("rays");
+    assert!(tallies.iter().all(|(_, tally)| tally.tried == 80));
+    assert!(wrong(&tallies, "2^3") == [0; 2] || wrong(&tallies, "away, 2^3")[0] > 0);
+    assert!(wrong(&tallies, "scenes away, 2^21")[0] > 20);
+}
+
+#[test]
+fn leaks() {
+    assert_eq!(run("leaks").iter().map(|(_, tally)| tally.tried).sum::<u64>(), 1008);
+}
+
+#[test]
+fn normals() {
+    let tallies = run("normals");
+    assert!(wrong(&tallies, "walls").iter().all(|&n| n > 20) && wrong(&tallies, "2^21")[0] > 20);
+}
+
+#[test]
+fn long_runs_begin_with_the_short_one() {
+    for case in selftest::cases() {
+        assert!(case.pieces(false) > 0 && case.pieces(true) >= 100 * case.pieces(false), "{}", case.name);
+    }
+}
