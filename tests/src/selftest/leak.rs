@@ -20,7 +20,7 @@ use crate::textbook::esvo_f32;
 /// Where Embree puts its meshes.
 const FAR: [f64; 3] = [148_376.0, 1234.0, -223_423.0];
 /// Rays of a piece.
-const RAYS: u64 = 42;
+const RAYS: u64 = 32;
 
 /// A closed mesh in voxels, and the box of points from which rays start.
 pub struct Mesh {
@@ -36,7 +36,7 @@ pub struct Mesh {
 }
 
 /// The kinds of closed meshes.
-const KINDS: [&str; 3] = ["globe", "divided box", "bumpy globe"];
+const KINDS: [&str; 4] = ["globe", "divided box", "bumpy globe", "torus"];
 
 /// The meshes of a kind: three at `centre` in fitted grids, and one in the largest grid there is.
 pub fn meshes(kind: usize, centre: [f64; 3]) -> Vec<Mesh> {
@@ -46,7 +46,15 @@ pub fn meshes(kind: usize, centre: [f64; 3]) -> Vec<Mesh> {
         match kind {
             0 => scenes::globe(centre, radius, divisions, |_| 1.0),
             1 => scenes::divided_box(corner(-1.0), corner(1.0), divisions),
-            _ => scenes::globe(centre, radius, divisions, |_| rng.uniform(0.75, 1.0)),
+            2 => scenes::globe(centre, radius, divisions, |_| rng.uniform(0.75, 1.0)),
+            // Its hole is outside: rays start within the ring.
+            _ => scenes::torus(
+                [centre[0] - 0.7 * radius, centre[1], centre[2]],
+                0.7 * radius,
+                0.3 * radius,
+                divisions,
+                19,
+            ),
         }
     };
     let mut all = Vec::new();
@@ -55,11 +63,11 @@ pub fn meshes(kind: usize, centre: [f64; 3]) -> Vec<Mesh> {
     for (divisions, resolution) in [(50, 64), (100, 150), (200, finest)] {
         let shape = make(divisions, 10.0, centre);
         let grid = subject::fitted(&shape, resolution);
-        all.push(Mesh::new(kind, divisions, shape, grid, centre, 2.5));
+        all.push(Mesh::new(kind, divisions, shape, grid, centre, 1.0));
     }
     // At depth 21 in voxel units, near the far corner.
     let centre = [1_483_760.3, 2_096_000.7, 2_000_000.1];
-    all.push(Mesh::new(kind, 50, make(50, 150.0, centre), subject::unit_grid(1 << 21), centre, 37.5));
+    all.push(Mesh::new(kind, 50, make(50, 150.0, centre), subject::unit_grid(1 << 21), centre, 15.0));
     all
 }
 
