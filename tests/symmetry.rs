@@ -238,6 +238,51 @@ fn normals_of_every_kind_follow_the_48_symmetries() {
 }
 
 #[test]
+fn any_order_and_scale_of_the_mesh_gives_the_same_materials() {
+    // The words of the DAG and of the table with materials and normals. The soup's triangles overlap, so that many voxels
+    // have several candidates for their owner, some of them equally near.
+    for (depth, seed) in [(3u32, 1), (6, 2), (10, 3), (16, 4), (21, 5)] {
+        let n = 1u32 << depth;
+        let side = n.min(64);
+        let mut shape = scenes::soup(seed, 60, side, 3.0);
+        shape.add(&scenes::degenerate_fan(seed, 5, side));
+        // The same triangles again, in another material.
+        let twins: Vec<_> = shape.triangles.iter().step_by(3).copied().collect();
+        shape.triangles.extend(twins);
+        let shape = shape.map(|p| p.map(|x| x + f64::from(n - side)));
+        let materials: Vec<u16> = (0..shape.triangles.len() as u16).map(|i| i * 7 % 5).collect();
+        let words = |triangles: &[[u32; 3]], materials: &[u16], exponent: i32| {
+            let positions: Vec<[f64; 3]> =
+                shape.positions.iter().map(|p| p.map(|x| libm::scalbn(x, exponent))).collect();
+            let mesh = Mesh { positions: &positions, triangles, materials, ..Mesh::default() };
+            let grid = Grid { origin: [0.0; 3], voxel_size: libm::scalbn(1.0, exponent), resolution: n };
+            let options = Options { materials: MaterialMode::TableNormals, ..Options::default() };
+            let built = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
+            (built.dag.into_words(), built.table.unwrap().into_words())
+        };
+        let expected = words(&shape.triangles, &materials, 0);
+        for exponent in [-120, -1, 1, 100] {
+            assert!(words(&shape.triangles, &materials, exponent) == expected, "depth {depth}, by 2^{exponent}");
+        }
+        for seed in 0..6 {
+            let mut rng = Rng::new(seed);
+            let mut both: Vec<_> = shape.triangles.iter().copied().zip(materials.iter().copied()).collect();
+            // Corners rotated, then triangles shuffled, too, then corners in any order.
+            match seed {
+                0 | 1 => both.iter_mut().for_each(|t| t.0.rotate_left(1 + seed as usize)),
+                2 | 3 => rng.shuffle(&mut both),
+                _ => {
+                    rng.shuffle(&mut both);
+                    both.iter_mut().for_each(|t| rng.shuffle(&mut t.0));
+                }
+            }
+            let (triangles, materials): (Vec<_>, Vec<_>) = both.into_iter().unzip();
+            assert!(words(&triangles, &materials, 0) == expected, "depth {depth}, order {seed}");
+        }
+    }
+}
+
+#[test]
 fn parts_built_in_any_order_join_to_the_same_bytes() {
     for (depth, size) in [(3u32, 8.0), (10, 400.0), (16, 60.0), (21, 60.0)] {
         let n = 1u32 << depth;

@@ -780,6 +780,25 @@ fn v17_moving_by_whole_voxels_moves_the_voxels() {
 }
 
 #[test]
+fn v17_moving_the_grid_by_whole_voxels_moves_the_voxels() {
+    // The mesh stays where it is, off the origin and in voxels of 1/8: grids that differ by whole voxels share a lattice.
+    let shape = scenes::soup(17, 40, 4, 0.5).map(|p| [p[0] - 700.3, p[1] + 20.7, p[2] - 0.01]);
+    let size = 0.125;
+    for n in [1u32 << 6, 1 << 10, 1 << 16, 1 << 21] {
+        let mut rng = Rng::new(u64::from(n));
+        let base = Grid { origin: [-701.0, 20.0, -1.0], voxel_size: size, resolution: 64 };
+        let by = [(); 3].map(|()| rng.below(u64::from(n - 63)) as u32);
+        let origin = core::array::from_fn(|i| base.origin[i] - size * f64::from(by[i]));
+        let moved = Grid { origin, resolution: n, ..base };
+        for cover in COVERS {
+            let here = subject::cover(&shape, &base, cover);
+            let expected = here.iter().map(|v| core::array::from_fn(|i| v[i] + by[i])).collect();
+            assert_eq!(subject::cover(&shape, &moved, cover), expected, "{cover:?}, N = {n}, by {by:?}");
+        }
+    }
+}
+
+#[test]
 fn v18_the_inflated_cover_holds_the_original_floats() {
     // Vertices on 1/65536 voxel: the exact cover of the unsnapped triangle is part of the inflated one.
     const FINE: i64 = 65536;
