@@ -225,7 +225,7 @@ fn normals_of_every_kind_follow_the_48_symmetries() {
                         std::mem::discriminant(&b.confidence),
                         "{context}"
                     );
-                    // Stored normals are 15 bits along each side of an octahedron, which is no cube.
+                    // Stored normals are rounded to steps on an octahedron unfolded along z: 7e-5 each.
                     let tolerance = if a.confidence == Confidence::Stored { 2e-4 } else { 1e-6 };
                     let expected = symmetry.vector(a.direction.map(f64::from));
                     let off = (0..3).map(|i| (f64::from(b.direction[i]) - expected[i]).abs()).fold(0.0, f64::max);
