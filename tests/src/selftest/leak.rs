@@ -23,9 +23,9 @@ const FAR: [f64; 3] = [148_376.0, 1234.0, -223_423.0];
 const RAYS: u64 = 32;
 
 /// A closed mesh in voxels, and the box of points from which rays start.
-pub struct Mesh {
+struct Mesh {
     /// What it is.
-    pub name: String,
+    name: String,
     shape: Shape,
     grid: Grid,
     centre: [f64; 3],
@@ -39,7 +39,7 @@ pub struct Mesh {
 const KINDS: [&str; 4] = ["globe", "divided box", "bumpy globe", "torus"];
 
 /// The meshes of a kind: three at `centre` in fitted grids, and one in the largest grid there is.
-pub fn meshes(kind: usize, centre: [f64; 3]) -> Vec<Mesh> {
+fn meshes(kind: usize, centre: [f64; 3]) -> Vec<Mesh> {
     let make = |divisions: u32, radius: f64, centre: [f64; 3]| {
         let mut rng = Rng::new(u64::from(divisions));
         let corner = |sign: f64| [0, 1, 2].map(|i| centre[i] + sign * radius * [1.0, 0.8, 0.6][i]);

@@ -12,8 +12,6 @@ mod normals;
 mod overlap;
 mod rays;
 
-pub use leak::{Mesh, meshes};
-
 use core::ops::AddAssign;
 
 /// What came of some tries.
