@@ -288,7 +288,7 @@ fn files_of_other_kinds_are_named() {
 }
 
 #[test]
-fn d7_d10_every_length_but_the_right_one_is_refused() {
+fn d07_d10_every_length_but_the_right_one_is_refused() {
     let mut words = tiny();
     for len in 0..words.len() {
         let error = file::read(&words[..len]).unwrap_err();
@@ -322,7 +322,7 @@ fn every_flipped_bit_is_refused() {
 
 /// With the checksums made right again, words either are refused or make a scene that is safe to use.
 #[test]
-fn d3_d9_damage_under_right_checksums_is_refused_or_harmless() {
+fn d03_d09_damage_under_right_checksums_is_refused_or_harmless() {
     let mut loaded = 0;
     let (dag, all, table) = (dag_words(), materials(), table_words(true));
     for words in [parts(&dag, Some(&table), &all).to_vec().unwrap(), parts(&dag, None, &all).to_vec().unwrap()] {
@@ -383,7 +383,7 @@ fn sections_are_skipped_missed_and_not_doubled() {
 }
 
 #[test]
-fn d4_errors_say_where() {
+fn d04_errors_say_where() {
     let good = tiny();
     let section = |kind| (32..).step_by(6).find(|&row| good[row] == kind).map(|row| good[row + 2] as usize).unwrap();
     let read = |at: usize, value: u32| {

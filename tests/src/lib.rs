@@ -20,3 +20,4 @@ pub mod table;
 pub mod textbook;
 
 pub mod laws;
+pub mod selftest;
