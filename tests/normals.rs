@@ -448,8 +448,8 @@ fn top_grids_change_no_normal() {
     let mut random = Rng::new(41);
     // A dense blob that reaches the borders of the cube, so that windows are cut.
     let blob: Vec<Voxel> = (0..4000).map(|_| std::array::from_fn(|_| random.below(24) as i32)).collect();
-    let set = Set::at([0; 3], 5, blob.iter().copied());
-    let dag = set.dag();
+    let words = Set::at([0; 3], 5, blob.iter().copied());
+    let dag = dag(&words);
     for bits in 0..=3 {
         let top = TopBuf::new(&dag, bits).unwrap();
         let tracer = Tracer::with_top(dag, top.as_top()).unwrap();
