@@ -7,6 +7,7 @@
 
 use std::collections::BTreeSet;
 
+use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::normal::{Confidence, NormalKind, normal};
 use voxdag::scene::{Build, Built, MaterialMode, Options};
 use voxdag::trace::{Arithmetic, Hit, Query, TopBuf, Tracer};
@@ -197,10 +198,10 @@ fn normals_of_every_kind_follow_the_48_symmetries() {
             })
             .collect();
         let plain = build(&shape, &unit_grid(n));
-        let plain_table = plain.table.as_ref().unwrap().as_table();
+        let AnyMaterials::Table(plain_table) = plain.materials.as_materials() else { panic!("no table") };
         for symmetry in Symmetry::all(n) {
             let image = build(&shape.map(|p| symmetry.point(p)), &unit_grid(n));
-            let image_table = image.table.as_ref().unwrap().as_table();
+            let AnyMaterials::Table(image_table) = image.materials.as_materials() else { panic!("no table") };
             assert_eq!(image_table.len(), plain_table.len(), "seed {seed}: a tie");
             for &(origin, dir) in &rays {
                 let hit = plain.dag.dag().trace(&Query::new(origin, dir));
@@ -239,7 +240,7 @@ fn normals_of_every_kind_follow_the_48_symmetries() {
 
 #[test]
 fn any_order_and_scale_of_the_mesh_gives_the_same_materials() {
-    // The words of the DAG and of the table with materials and normals. The soup's triangles overlap, so that many voxels
+    // The words of the DAG, and of the table with materials and normals or of the tree. The soup's triangles overlap, so that many voxels
     // have several candidates for their owner, some of them equally near.
     for (depth, seed) in [(3u32, 1), (6, 2), (10, 3), (16, 4), (21, 5)] {
         let n = 1u32 << depth;
@@ -256,9 +257,11 @@ fn any_order_and_scale_of_the_mesh_gives_the_same_materials() {
                 shape.positions.iter().map(|p| p.map(|x| libm::scalbn(x, exponent))).collect();
             let mesh = Mesh { positions: &positions, triangles, materials, ..Mesh::default() };
             let grid = Grid { origin: [0.0; 3], voxel_size: libm::scalbn(1.0, exponent), resolution: n };
-            let options = Options { materials: MaterialMode::TableNormals, ..Options::default() };
-            let built = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
-            (built.dag.into_words(), built.table.unwrap().into_words())
+            [MaterialMode::TableNormals, MaterialMode::Tree].map(|mode| {
+                let options = Options { materials: mode, ..Options::default() };
+                let built = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
+                (built.dag.words().to_vec(), built.materials.as_materials().words().to_vec())
+            })
         };
         let expected = words(&shape.triangles, &materials, 0);
         for exponent in [-120, -1, 1, 100] {
@@ -291,7 +294,7 @@ fn parts_built_in_any_order_join_to_the_same_bytes() {
         shape.add(&scenes::slivers(1, 3, size, 0.1).map(|p| p.map(|x| x + at - size / 2.0)));
         let materials: Vec<u16> = (0..shape.triangles.len() as u16).map(|i| i % 7).collect();
         let mesh = Mesh { materials: &materials, ..shape.mesh() };
-        for mode in [MaterialMode::None, MaterialMode::Table, MaterialMode::TableNormals] {
+        for mode in [MaterialMode::None, MaterialMode::Tree, MaterialMode::Table, MaterialMode::TableNormals] {
             let options = Options { materials: mode, ..Options::default() };
             let build = Build::new(&mesh, &unit_grid(n), &options).unwrap();
             let whole = build.run().unwrap();
@@ -304,10 +307,9 @@ fn parts_built_in_any_order_join_to_the_same_bytes() {
                 parts.into_iter().for_each(|(_, part)| join.add(part).unwrap());
                 let (dag, owners) = join.finish().unwrap();
                 assert!(dag == whole.dag, "2^{depth}, {mode:?}, seed {seed}");
-                let table = owners.into_table(&dag.dag()).unwrap();
-                let words =
-                    |table: &Option<voxdag::table::TableBuf>| table.as_ref().map(|t| t.as_table().words().to_vec());
-                assert!(words(&table) == words(&whole.table), "2^{depth}, {mode:?}, seed {seed}");
+                let materials = owners.into_materials(&dag.dag()).unwrap();
+                let words = |materials: &MaterialsBuf| materials.as_materials().words().to_vec();
+                assert!(words(&materials) == words(&whole.materials), "2^{depth}, {mode:?}, seed {seed}");
             }
         }
     }
