@@ -33,7 +33,7 @@ type Point = [i64; 2];
 /// The triangles, after the laws that hold for every polygon.
 fn cut(polygon: &[[f64; 3]]) -> Vec<[u32; 3]> {
     let mut triangulator = Triangulator::default();
-    let triangles = triangulator.triangulate(polygon).to_vec();
+    let triangles = triangulator.triangulate(polygon).expect("memory").to_vec();
     assert_eq!(triangles.len(), polygon.len().saturating_sub(2), "number of triangles");
     assert!(triangles.iter().flatten().all(|&corner| (corner as usize) < polygon.len()));
     // Each of its corners is part of a triangle, and each triangle has three.
@@ -50,7 +50,7 @@ fn cut(polygon: &[[f64; 3]]) -> Vec<[u32; 3]> {
     let mut turned = polygon.to_vec();
     for _ in 1..polygon.len() {
         turned.rotate_left(1);
-        let triangles = triangulator.triangulate(&turned);
+        let triangles = triangulator.triangulate(&turned).expect("memory");
         assert_eq!(places(&turned, triangles), expected, "the first corner matters");
     }
     triangles
