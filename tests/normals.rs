@@ -554,3 +554,16 @@ fn the_length_of_the_direction_does_not_matter() {
         assert!((0..3).all(|i| (other.direction[i] - usual.direction[i]).abs() < 1e-6), "{other:?} {usual:?}");
     }
 }
+
+/// A view that is nearly, but not quite, along a line of voxels: what is left across it may be as small as f64 goes.
+#[test]
+fn n02_a_line_seen_nearly_along_it() {
+    let line = Set::new((-3..=3).map(|y| [0, y, 0]));
+    for across in [1e-3, 1e-150, 1e-160, 1e-200, 1e-300, 1e-307] {
+        for (kind, _) in PLANES {
+            let n = line.normal([0; 3], kind, [across, 1.0, -across]);
+            assert_eq!(n.confidence, Confidence::Line, "{across:e}");
+            assert_near(&n, [-1.0, 0.0, 1.0], 1e-4);
+        }
+    }
+}
