@@ -3,22 +3,25 @@
 #
 #   ./ci.sh            all of them, in this order; the rest still run when one fails
 #   ./ci.sh test       one of them
+#   ./ci.sh miri long  everything that Miri can do, on three machines (7 minutes instead of 2)
 #   ./ci.sh fuzz 60    every fuzz target for 60 seconds (nightly and cargo-fuzz needed; not part of `all`)
 #   ./ci.sh mutants    every rule and check taken away in turn: does a test notice? (python3 needed; not part of `all`)
 set -euo pipefail
 cd "$(dirname "$0")"
 
-ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo test)
+ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo test targets miri)
 
-# Both lock files are committed and fit their manifests.
+# The lock files are committed and fit their manifests.
 check_lock() {
-    cargo metadata --locked --format-version 1 >/dev/null
-    cargo metadata --locked --format-version 1 --manifest-path fuzz/Cargo.toml >/dev/null
+    local folder
+    for folder in . fuzz tests/bare; do
+        cargo metadata --locked --format-version 1 --manifest-path "$folder/Cargo.toml" >/dev/null
+    done
 }
 
 check_fmt() {
     cargo fmt --all --check
-    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs
+    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs tests/bare/build.rs tests/bare/src/*.rs
 }
 
 check_clippy() {
@@ -68,6 +71,58 @@ check_test() {
     local command='cargo test --workspace'
     in_readme "$command"
     $command
+}
+
+# The same words, rays and pixels from every kind of machine code; the hashes stand in tests/golden/src/hashes.rs.
+check_targets() {
+    local target=${CARGO_TARGET_DIR:-$PWD/target} golden=(--locked -p voxdag-golden) failed=() flags
+    export CARGO_TARGET_DIR=$target
+
+    # This machine: unoptimised with all checks, optimised, and with every instruction that its processor has.
+    cargo run "${golden[@]}" --config profile.dev.opt-level=0 || failed+=(debug)
+    cargo run "${golden[@]}" --release || failed+=(release)
+    RUSTFLAGS="-C target-cpu=native" cargo run "${golden[@]}" --release --target-dir "$target/native" || failed+=(native)
+
+    # wasm32 in node, without vectors and with them.
+    for flags in "" "-C target-feature=+simd128"; do
+        RUSTFLAGS=$flags cargo build "${golden[@]}" --release --target wasm32-unknown-unknown
+        node tests/golden/wasm.mjs "$target/wasm32-unknown-unknown/release/voxdag-golden.wasm" || failed+=("wasm32 $flags")
+    done
+
+    # A microcontroller with 32-bit words and f64 in software: from files in flash without a heap, then from the meshes.
+    if command -v qemu-system-arm >/dev/null; then
+        cd tests/bare
+        for flags in "--bin draw" "--bin pipeline --features heap"; do
+            cargo clippy --locked --release $flags -- -D warnings
+            timeout 600 cargo run --locked --release $flags || failed+=("arm $flags")
+        done
+    else
+        echo "SKIPPED: 32-bit ARM, as qemu-system-arm is missing (apt-get install qemu-system-arm)"
+    fi
+    if ((${#failed[@]})); then
+        printf 'not the same as everywhere: %s\n' "${failed[@]}" >&2
+        exit 1
+    fi
+}
+
+# In an interpreter that sees undefined behaviour: the core's tests here, and every stage at a small size on a machine that
+# stores the high byte first. `long`: both and the smallest golden scene, on those two and on one with 32-bit words.
+check_miri() {
+    if ! cargo +nightly miri --version >/dev/null 2>&1; then
+        echo "SKIPPED: Miri is missing (rustup component add --toolchain nightly miri rust-src)"
+        return
+    fi
+    local core="-p voxdag --lib --features obj" small="-p voxdag-oracle --test small" golden="-p voxdag-golden --lib"
+    local here=x86_64-unknown-linux-gnu narrow=i686-unknown-linux-gnu big=s390x-unknown-linux-gnu run
+    local runs=("$here $core" "$big $small")
+    if [ "${1:-}" = long ]; then
+        runs=("$here $core" "$here $small" "$here $golden" "$narrow $core" "$narrow $small" "$narrow $golden"
+            "$big $core" "$big $small" "$big $golden")
+    fi
+    for run in "${runs[@]}"; do
+        echo "$run"
+        cargo +nightly miri test --quiet --locked --target $run
+    done
 }
 
 check_fuzz() {

@@ -6,7 +6,7 @@ use voxdag::camera::Camera;
 use voxdag::materials::{Materials, Single};
 use voxdag::math::{add_scaled, cross, dot, normalize, sub};
 use voxdag::normal::{Confidence, Normal, NormalKind, normal};
-use voxdag::trace::{Face, Hit, Query};
+use voxdag::trace::{Face, Hit, Query, TopBuf, Tracer};
 use voxdag::{Dag, Morton};
 use voxdag_oracle::eigen::jacobi;
 use voxdag_oracle::octree::VoxelSet;
@@ -50,7 +50,8 @@ fn at(dag: Dag<'_>, voxel: Voxel, kind: NormalKind, dir: [f64; 3]) -> Normal {
 
 fn through(dag: Dag<'_>, voxel: Voxel, kind: NormalKind, dir: [f64; 3], face: Face) -> Normal {
     let voxel = Morton::encode(voxel.map(|c| c as u32)).unwrap();
-    let n = normal(dag, Single(0), &Hit { voxel, from: None, t: 0.0, level: 0, face }, dir, kind);
+    let hit = Hit { voxel, from: None, t: 0.0, level: 0, face };
+    let n = normal(dag, Single(0), &hit, dir, kind);
     assert_unit(n.direction);
     n
 }
@@ -398,6 +399,29 @@ fn every_answer_is_a_unit_vector() {
                 for length in [1.0, 1e-200, 1e200] {
                     at(set.dag(), voxel, kind, unit(&mut random).map(|x| x * length));
                 }
+            }
+        }
+    }
+}
+
+#[test]
+fn top_grids_change_no_normal() {
+    let mut random = Rng::new(41);
+    // A dense blob that reaches the borders of the cube, so that windows are cut.
+    let blob: Vec<Voxel> = (0..4000).map(|_| std::array::from_fn(|_| random.below(24) as i32)).collect();
+    let set = Set::at([0; 3], 5, blob.iter().copied());
+    let dag = set.dag();
+    for bits in 0..=3 {
+        let top = TopBuf::new(&dag, bits).unwrap();
+        let tracer = Tracer::with_top(dag, top.as_top()).unwrap();
+        // Filled voxels, empty ones, and those beside and beyond the cube.
+        for voxel in blob.iter().copied().take(300).chain([[31, 0, 31], [32, 5, 5], [63; 3], [25, 30, 2]]) {
+            let voxel = Morton::encode(voxel.map(|c| c as u32)).unwrap();
+            let hit = Hit { voxel, from: None, t: 0.0, level: 0, face: Face::NegY };
+            let dir = unit(&mut random);
+            for kind in [NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3] {
+                let by_top = normal(tracer, Single(0), &hit, dir, kind);
+                assert_eq!(by_top, normal(dag, Single(0), &hit, dir, kind), "2^{bits} cells, {voxel:?}, {kind:?}");
             }
         }
     }

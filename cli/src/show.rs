@@ -118,10 +118,10 @@ fn look<T: Send>(
         let mut counters = Counters::default();
         each_pixel(&camera, &shown.grid, args.size, rows, out, |pixel| {
             let query = pixel.query([0.5; 2]);
-            let (hit, rounds) = tracer.trace_counted(arithmetic, &query);
+            let (hit, steps) = tracer.trace_counted(arithmetic, &query);
             counters.primary += 1;
             counters.hits += u64::from(hit.is_some());
-            see(&query, hit.as_ref(), rounds)
+            see(&query, hit.as_ref(), steps.rounds)
         })?;
         Ok(counters)
     })

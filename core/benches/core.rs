@@ -116,8 +116,10 @@ mod kernel {
     }
 
     #[inline(never)]
-    pub fn normals(dag: voxdag::Dag<'_>, kind: NormalKind, hits: &[(Hit, [f64; 3])]) -> u64 {
-        hits.iter().map(|(hit, dir)| u64::from(normal(dag, Single(0), hit, *dir, kind).direction[1].to_bits())).sum()
+    pub fn normals(tracer: &Tracer<'_>, kind: NormalKind, hits: &[(Hit, [f64; 3])]) -> u64 {
+        hits.iter()
+            .map(|(hit, dir)| u64::from(normal(*tracer, Single(0), hit, *dir, kind).direction[1].to_bits()))
+            .sum()
     }
 
     #[inline(never)]
@@ -172,8 +174,8 @@ fn shadow(bencher: Bencher<'_, '_>) {
 
 #[divan::bench(args = NORMALS)]
 fn normals(bencher: Bencher<'_, '_>, kind: voxdag::normal::NormalKind) {
-    let (dag, hits) = (SCENE.dag.dag(), &SCENE.hits);
-    bencher.counter(ItemsCount::new(hits.len())).bench(|| kernel::normals(dag, kind, hits));
+    let (tracer, hits) = (SCENE.tracer(), &SCENE.hits);
+    bencher.counter(ItemsCount::new(hits.len())).bench(|| kernel::normals(&tracer, kind, hits));
 }
 
 const NORMALS: [voxdag::normal::NormalKind; 5] = {

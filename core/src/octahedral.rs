@@ -88,7 +88,7 @@ mod tests {
     fn error_is_within_the_bound_and_the_bound_is_near() {
         let mut state = 1u64;
         let mut worst = 0.0f64;
-        for _ in 0..300_000 {
+        for _ in 0..if cfg!(miri) { 100 } else { 300_000 } {
             let n: [f64; 3] = core::array::from_fn(|_| {
                 state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
                 (state >> 40) as f64 / (1u64 << 23) as f64 - 1.0
@@ -102,6 +102,6 @@ mod tests {
             worst = worst.max(math::sqrt(math::dot(cross, cross)) / length);
         }
         assert!(worst < MAX_ERROR, "{worst}");
-        assert!(worst > 0.8 * MAX_ERROR, "the documented bound is too pessimistic: {worst}");
+        assert!(cfg!(miri) || worst > 0.8 * MAX_ERROR, "the documented bound is too pessimistic: {worst}");
     }
 }

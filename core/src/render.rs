@@ -280,7 +280,7 @@ fn surface_color<M: Materials>(view: &View<'_, M>, settings: &Settings, query: &
     let dag = view.tracer.dag();
     let id = view.materials.id(dag, hit.voxel);
     let material = view.palette.get(usize::from(id)).unwrap_or(&Material::GREY);
-    let normal = normal::normal(dag, view.materials, hit, query.dir, settings.normals);
+    let normal = normal::normal(view.tracer, view.materials, hit, query.dir, settings.normals);
     let back = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]);
     let surface = Surface {
         point: view.grid.to_world(math::add_scaled(query.origin, query.dir, hit.t)),

@@ -276,7 +276,7 @@ impl Caster<'_> {
         let Scene { dag, materials, .. } = *self.scene;
         let [x, y, z] = hit.voxel.decode();
         let material = materials.id(dag, hit.voxel);
-        let [nx, ny, nz] = normal::normal(dag, materials, hit, query.dir, self.normals).direction;
+        let [nx, ny, nz] = normal::normal(self.tracer, materials, hit, query.dir, self.normals).direction;
         let face = match hit.face {
             Face::NegX => "-x",
             Face::PosX => "+x",

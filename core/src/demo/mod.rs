@@ -105,6 +105,7 @@ mod tests {
     use alloc::collections::BTreeSet;
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn every_material_is_defined_once_and_used() {
         let (obj, mtl) = (obj(), mtl());
         let named = |text: &str, key: &str| -> alloc::vec::Vec<String> {
@@ -118,6 +119,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn faces_name_vertices_that_exist() {
         let (mut vertices, mut triangles) = (0, 0);
         for line in obj().lines() {
@@ -135,6 +137,7 @@ mod tests {
 
     /// Checksums taken on x86-64; a target whose `libm` or number printing differs changes them.
     #[test]
+    #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn the_text_is_the_same_on_every_target() {
         assert_eq!((crc32fast::hash(obj().as_bytes()), crc32fast::hash(mtl().as_bytes())), (2895281419, 2589448281));
     }

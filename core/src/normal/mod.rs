@@ -13,11 +13,10 @@
 mod plane;
 mod window;
 
-use crate::dag::Dag;
 use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
-use crate::trace::{Face, Hit};
+use crate::trace::{Face, Hit, Tracer};
 use plane::Fit;
 use window::Moments;
 
@@ -67,22 +66,30 @@ pub struct Normal {
     pub confidence: Confidence,
 }
 
-/// The normal at `hit`, which a ray along `dir` (grid coordinates, any length) found in `dag`.
+/// The normal at `hit`, which a ray along `dir` (grid coordinates, any length) found in the tracer's DAG. A `Dag` will do
+/// as the tracer; one with a top grid is faster.
 ///
 /// Total: also for a voxel that is not filled or a direction that is none, the answer is a unit vector.
-pub fn normal<M: Materials>(dag: Dag<'_>, materials: M, hit: &Hit, dir: [f64; 3], kind: NormalKind) -> Normal {
+pub fn normal<'a, M: Materials>(
+    tracer: impl Into<Tracer<'a>>,
+    materials: M,
+    hit: &Hit,
+    dir: [f64; 3],
+    kind: NormalKind,
+) -> Normal {
+    let tracer = &tracer.into();
     let view = View::new(hit.face, dir);
     let stored = || {
-        let n = math::normalize(materials.normal(dag, hit.voxel)?.map(f64::from))?;
+        let n = math::normalize(materials.normal(tracer.dag(), hit.voxel)?.map(f64::from))?;
         oriented(n, view.outwards, Confidence::Stored)
     };
     let found = match kind {
         NormalKind::Face => None,
-        NormalKind::Stored => stored().or_else(|| view.plane(dag, hit.voxel, 2)),
-        NormalKind::Gradient => view.gradient(dag, hit.voxel),
-        NormalKind::Plane1 => view.plane(dag, hit.voxel, 1),
-        NormalKind::Plane2 => view.plane(dag, hit.voxel, 2),
-        NormalKind::Plane3 => view.plane(dag, hit.voxel, 3),
+        NormalKind::Stored => stored().or_else(|| view.plane(tracer, hit.voxel, 2)),
+        NormalKind::Gradient => view.gradient(tracer, hit.voxel),
+        NormalKind::Plane1 => view.plane(tracer, hit.voxel, 1),
+        NormalKind::Plane2 => view.plane(tracer, hit.voxel, 2),
+        NormalKind::Plane3 => view.plane(tracer, hit.voxel, 3),
     };
     found.unwrap_or(Normal { direction: view.face.map(|x| x as f32), confidence: Confidence::Face })
 }
@@ -105,8 +112,8 @@ impl View {
     }
 
     /// From the voxels at most `radius` away along each axis; `None`: entry face.
-    fn plane(&self, dag: Dag<'_>, voxel: Morton, radius: u32) -> Option<Normal> {
-        let moments = Moments::around(dag, voxel, radius);
+    fn plane(&self, tracer: &Tracer<'_>, voxel: Morton, radius: u32) -> Option<Normal> {
+        let moments = Moments::around(tracer, voxel, radius);
         match plane::fit(&moments) {
             Fit::Point => None,
             Fit::Line(line) => {
@@ -115,7 +122,7 @@ impl View {
                 let across = math::normalize(math::cross(line, math::cross(self.dir, line)))?;
                 oriented(across, self.dir.map(|x| -x), Confidence::Line)
             }
-            Fit::Solid => self.gradient(dag, voxel),
+            Fit::Solid => self.gradient(tracer, voxel),
             Fit::Plane { normal, ratio } => {
                 let outwards = math::add_scaled(self.outwards, moments.out_of_center(voxel, radius), 1.0);
                 oriented(normal, outwards, Confidence::Plane { ratio: ratio as f32 })
@@ -124,14 +131,14 @@ impl View {
     }
 
     /// From filled to empty among the six neighbours; outside the cube is empty. `None`: entry face.
-    fn gradient(&self, dag: Dag<'_>, voxel: Morton) -> Option<Normal> {
-        let own = dag.brick(voxel);
+    fn gradient(&self, tracer: &Tracer<'_>, voxel: Morton) -> Option<Normal> {
+        let own = tracer.brick(voxel);
         let filled = |axis: usize, step: i32| {
             let mut offset = [0; 3];
             offset[axis] = step;
             let Some(v) = voxel.neighbour(offset) else { return 0.0 };
             // Three of four neighbours lie in the same brick.
-            let mask = if v.0 >> 6 == voxel.0 >> 6 { own } else { dag.brick(v) };
+            let mask = if v.0 >> 6 == voxel.0 >> 6 { own } else { tracer.brick(v) };
             (mask >> (v.0 & 63) & 1) as f64
         };
         oriented(core::array::from_fn(|i| filled(i, -1) - filled(i, 1)), self.outwards, Confidence::Gradient)

@@ -3,8 +3,8 @@
 //! The same walk as for the first hit, taken up again behind each one; exact, and in the order in which the ray meets them.
 
 use super::ray::Ray;
-use super::walk::{arrive, enter, walk};
-use super::{Hit, Query, Tracer};
+use super::walk::{arrive, begin, walk};
+use super::{Hit, Query, Steps, Tracer};
 use crate::morton::{BITS, Morton};
 
 /// Iterator over the filled voxels along a ray. See [`Tracer::hits`].
@@ -21,21 +21,10 @@ pub struct Voxels {
     next: Option<(Ray, [i32; 3])>,
 }
 
-/// The ray of a query and its first voxel in a cube of `size` voxels.
-fn begin(query: &Query, size: i32) -> Option<(Ray, [i32; 3])> {
-    let query = &query.anchored();
-    if !Ray::exists(query, size) {
-        return None;
-    }
-    let ray = Ray::new::<true>(query, size);
-    let start = enter::<true>(&ray, query, size)?;
-    Some((ray, start))
-}
-
 /// The voxel behind the cube of `side` around `p`; `None` outside the cube of `size` voxels or at `t_max`.
 fn behind(ray: &Ray, p: [i32; 3], side: i32, size: i32) -> Option<[i32; 3]> {
     let planes = ray.planes(p, side);
-    let next = ray.step(p, planes, side == 1).or_else(|| ray.step_close::<true>(p, planes))?;
+    let next = ray.step(p, planes, side == 1).ok().or_else(|| ray.step_close::<true>(p, planes))?;
     next.iter().all(|x| *x >= 0 && *x < size).then_some(next)
 }
 
@@ -54,7 +43,7 @@ impl<'a> Tracer<'a> {
     /// # Ok::<(), voxdag::build::BuildError>(())
     /// ```
     pub fn hits(&self, query: &Query) -> Hits<'a> {
-        let next = if self.dag.is_empty() { None } else { begin(query, 1 << self.dag.depth()) };
+        let next = if self.dag.is_empty() { None } else { begin::<true>(query, 1 << self.dag.depth()) };
         Hits { tracer: *self, query: *query, next }
     }
 }
@@ -67,9 +56,9 @@ impl Iterator for Hits<'_> {
         let size = 1 << self.tracer.dag.depth();
         let min_level = self.query.min_level;
         let (p, level) = if self.tracer.serves(&self.query) {
-            walk::<true, true>(&self.tracer, &ray, p, min_level, &mut 0)?
+            walk::<true, true>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
         } else {
-            walk::<true, false>(&self.tracer, &ray, p, min_level, &mut 0)?
+            walk::<true, false>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
         };
         let hit = arrive::<true>(&ray, p, level, size, &self.query);
         self.next = behind(&ray, p, 1 << level, size).map(|next| (ray, next));
@@ -89,7 +78,7 @@ impl Query {
     /// ```
     pub fn voxels(&self, depth: u8) -> Voxels {
         let size = 1 << u32::from(depth).min(BITS);
-        Voxels { size, next: begin(self, size) }
+        Voxels { size, next: begin::<true>(self, size) }
     }
 }
 

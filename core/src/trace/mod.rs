@@ -1,6 +1,8 @@
 //! Rays through a DAG: the first filled voxel along the real line that six f64 describe.
 
 mod along;
+#[cfg(all(test, feature = "alloc"))]
+mod edge;
 mod exact;
 mod ray;
 mod top;
@@ -11,7 +13,7 @@ pub use top::Top;
 #[cfg(feature = "alloc")]
 pub use top::TopBuf;
 
-use crate::dag::Dag;
+use crate::dag::{BRICK_LEVEL, Dag};
 use crate::morton::Morton;
 
 /// A ray in grid coordinates (voxel k spans k to k + 1) and what counts as a hit.
@@ -36,22 +38,6 @@ impl Query {
     /// The half line from `origin` along `dir`, at full resolution.
     pub fn new(origin: [f64; 3], dir: [f64; 3]) -> Query {
         Query { origin, dir, t_min: 0.0, t_max: f64::INFINITY, min_level: 0, start: None }
-    }
-
-    /// The query with its origin inside the start voxel on the axes along which it never moves: there rounding may have
-    /// put it beside the voxel, and no step would ever put that right.
-    #[inline(always)]
-    fn anchored(&self) -> Query {
-        let mut query = *self;
-        if let Some(voxel) = self.start {
-            let p = voxel.decode();
-            for i in 0..3 {
-                if self.dir[i] == 0.0 {
-                    query.origin[i] = f64::from(p[i]) + 0.5;
-                }
-            }
-        }
-        query
     }
 }
 
@@ -114,11 +100,28 @@ pub enum Arithmetic {
     F64,
 }
 
+/// What the walk of a ray took.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Steps {
+    /// Boxes of empty space and voxels looked at.
+    pub rounds: u32,
+    /// Of these the ones left where f64 values are too close to tell which plane or which voxel comes next, so that exact
+    /// arithmetic decides.
+    pub close: u32,
+}
+
 /// A DAG and, if there is one, its top grid: what answers rays. The answers do not depend on the grid.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracer<'a> {
     dag: Dag<'a>,
     top: Option<Top<'a>>,
+}
+
+/// Traces the DAG as it is.
+impl<'a> From<Dag<'a>> for Tracer<'a> {
+    fn from(dag: Dag<'a>) -> Tracer<'a> {
+        Tracer::new(dag)
+    }
 }
 
 impl<'a> Tracer<'a> {
@@ -137,6 +140,46 @@ impl<'a> Tracer<'a> {
         self.dag
     }
 
+    /// Whether there is a top grid.
+    #[inline]
+    pub(crate) fn has_top(&self) -> bool {
+        self.top.is_some()
+    }
+
+    /// Level of the nodes at which a search from above begins: the top grid's, or the root's.
+    #[inline]
+    pub(crate) fn entry_level(&self) -> u32 {
+        match &self.top {
+            Some(top) => top.level() as u32,
+            None => u32::from(self.dag.depth().max(BRICK_LEVEL)),
+        }
+    }
+
+    /// The node of that level around a voxel in the cube; `None` if it is empty.
+    #[inline]
+    pub(crate) fn entry(&self, voxel: [u32; 3]) -> Option<usize> {
+        match &self.top {
+            Some(top) => top.node(voxel),
+            None => (!self.dag.is_empty()).then(|| self.dag.root()),
+        }
+    }
+
+    /// [`Dag::brick`], by way of the top grid.
+    #[inline]
+    pub(crate) fn brick(&self, voxel: Morton) -> u64 {
+        if voxel.0 >> (3 * u32::from(self.dag.depth().max(BRICK_LEVEL))) != 0 {
+            return 0;
+        }
+        let Some(mut word) = self.entry(voxel.decode()) else { return 0 };
+        for level in (u32::from(BRICK_LEVEL)..self.entry_level()).rev() {
+            match self.dag.child(word, (voxel.0 >> (3 * level)) as u32 & 7) {
+                Some(child) => word = child,
+                None => return 0,
+            }
+        }
+        self.dag.brick_at(word)
+    }
+
     /// The first filled voxel that the ray meets; `None` if there is none, or if the ray is no ray (NaN, infinite
     /// or zero direction).
     #[inline]
@@ -144,8 +187,8 @@ impl<'a> Tracer<'a> {
         self.trace_counted(arithmetic, query).0
     }
 
-    /// [`Tracer::trace`], and the number of rounds of the walk: boxes of empty space and voxels looked at.
-    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, u32) {
+    /// [`Tracer::trace`], and what the walk took.
+    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, Steps) {
         match (arithmetic, self.serves(query)) {
             (Arithmetic::Exact, true) => walk::trace::<true, true>(self, query),
             (Arithmetic::Exact, false) => walk::trace::<true, false>(self, query),
@@ -213,7 +256,7 @@ impl Dag<'_> {
     }
 
     /// [`Tracer::trace_counted`] without a top grid.
-    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, u32) {
+    pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, Steps) {
         Tracer::new(*self).trace_counted(arithmetic, query)
     }
 }

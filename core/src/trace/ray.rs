@@ -25,13 +25,73 @@ pub(super) struct Ray {
     pub up: [i32; 4],
     /// The octant it heads to: `up` of x, y and z as bits.
     pub octant: usize,
+    t_min: f64,
     t_max: f64,
     /// Times below it are certainly below `t_max`.
     pub stop: f64,
     /// Times that are further apart are in the order of their f64 values.
     time_slack: f64,
     /// Places that are further from the middle of a cell than this half of its width are too close to a plane to tell.
-    half: [f64; 3],
+    half: f64,
+    /// Whether the voxels may lie off the line: by f64 alone, or begun in a voxel that somebody else found.
+    strays: bool,
+}
+
+/// What the errors of f64 values are measured in, with room to spare: 16 x 2^-53.
+pub(super) const UNIT: f64 = f64::from_bits((1023 - 49) << 52);
+
+/// What f64 values are too close to tell.
+pub(super) struct Unclear;
+
+/// The largest of three numbers that are no NaN; one instruction a step, where `f64::max` also asks for NaN.
+#[inline(always)]
+fn largest([a, b, c]: [f64; 3]) -> f64 {
+    let ab = if a > b { a } else { b };
+    if ab > c { ab } else { c }
+}
+
+/// The smallest of three numbers that are no NaN.
+#[inline(always)]
+fn smallest([a, b, c]: [f64; 3]) -> f64 {
+    let ab = if b < a { b } else { a };
+    if c < ab { c } else { ab }
+}
+
+/// The origin of a query that does not move along some axes, with these coordinates in the middle of their voxel: the ray
+/// meets the same voxels, and is clear of all planes. `None` if it moves nowhere, or stands beside the cube.
+#[cold]
+#[inline(never)]
+fn stand_still(query: &Query, size: i32) -> Option<[f64; 3]> {
+    let mut origin = query.origin;
+    for i in (0..3).filter(|i| query.dir[*i] == 0.0) {
+        // Rounding may have put the origin beside the voxel it is to start in, and no step would ever put that right.
+        let k = match query.start {
+            Some(voxel) => f64::from(voxel.decode()[i]),
+            None if origin[i] >= 0.0 && origin[i] < f64::from(size) => f64::from(origin[i] as i32),
+            None => return None,
+        };
+        origin[i] = k + 0.5;
+    }
+    (query.dir != [0.0; 3]).then_some(origin)
+}
+
+/// Something of each axis.
+#[inline(always)]
+pub(super) fn axes<T>(of: impl Fn(usize) -> T) -> [T; 3] {
+    [of(0), of(1), of(2)]
+}
+
+/// `a` or `b`, without a branch: which one is as good as random.
+#[inline(always)]
+fn select(first: bool, a: i32, b: i32) -> i32 {
+    let mask = -i32::from(first);
+    b ^ (a ^ b) & mask
+}
+
+/// Whether one of the three is true, and no more.
+#[inline(always)]
+fn alone(flags: [bool; 3]) -> bool {
+    u8::from(flags[0]) + u8::from(flags[1]) + u8::from(flags[2]) == 1
 }
 
 /// A time at which the ray crosses a plane.
@@ -61,78 +121,79 @@ impl Crossing {
 }
 
 impl Ray {
-    /// Whether a query is a ray that can meet a cube of `size` voxels: finite numbers, a direction, time between `t_min`
-    /// and `t_max`, and not standing still beside the cube.
+    /// The ray of a query, for a cube of `size` voxels; `None` if it cannot meet that: numbers that are not finite, no
+    /// direction, no time between `t_min` and `t_max`, or standing still beside the cube.
     #[inline(always)]
-    pub(super) fn exists(query: &Query, size: i32) -> bool {
-        let Query { origin: o, dir: d, t_min, t_max, .. } = query;
-        let finite = o.iter().chain(d).all(|x| x.is_finite());
-        let beside = |i: usize| d[i] == 0.0 && !(o[i] >= 0.0 && o[i] < f64::from(size));
-        // The comparison of times also refuses NaN.
-        finite && *d != [0.0; 3] && t_min < t_max && !(0..3).any(beside)
-    }
+    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Option<Ray> {
+        let Query { origin: mut o, dir: d, t_min, t_max, .. } = *query;
+        // The comparison also refuses NaN.
+        if !(t_min < t_max) {
+            return None;
+        }
+        let still = axes(|i| d[i] == 0.0);
+        if still[0] | still[1] | still[2] {
+            o = stand_still(query, size)?;
+        }
+        // Where a sum is below a bound, all its terms are, and none is NaN.
+        let sum = |v: [f64; 3]| v[0].abs() + v[1].abs() + v[2].abs();
+        let (far_out, speed) = (sum(o), sum(d));
+        let slowest = smallest(axes(|i| if still[i] { 1.0 } else { d[i].abs() }));
+        let tame = (far_out <= HUGE) & (speed <= HUGE) & (slowest >= TINY);
+        if !tame && !o.iter().chain(&d).all(|x| x.is_finite()) {
+            return None;
+        }
 
-    /// The ray of a query that [`Ray::exists`].
-    #[inline(always)]
-    pub(super) fn new<const EXACT: bool>(query: &Query, size: i32) -> Ray {
-        let Query { origin: o, dir: d, t_min, t_max, .. } = *query;
+        let up = axes(|i| if d[i] < 0.0 { 0 } else { -1 });
         let mut ray = Ray {
             origin: [o[0], o[1], o[2], 0.0],
             dir: [d[0], d[1], d[2], 1.0],
             // Of both zeros the positive one: up is where the plane ahead lies.
             inverse: [1.0 / (d[0] + 0.0), 1.0 / (d[1] + 0.0), 1.0 / (d[2] + 0.0), 1.0],
-            up: [d[0], d[1], d[2], 1.0].map(|d| if d < 0.0 { 0 } else { -1 }),
-            octant: (0..3).map(|i| usize::from(!(d[i] < 0.0)) << i).sum(),
+            up: [up[0], up[1], up[2], -1],
+            octant: (up[0] & 1 | up[1] & 2 | up[2] & 4) as usize,
+            t_min,
             t_max,
             stop: f64::NEG_INFINITY,
             time_slack: f64::INFINITY,
-            half: [f64::NEG_INFINITY; 3],
+            half: f64::NEG_INFINITY,
+            strays: !EXACT || query.start.is_some(),
         };
-        ray.set_slack(t_min, size);
-        for i in 0..3 {
-            if d[i] == 0.0 {
-                ray.half[i] = 1.0;
-            }
-        }
+        // Bound the errors of the f64 values. All times that matter lie between the cube's near and far planes, or are
+        // t_min. Where products may under- or overflow, the slacks stay infinite.
+        let start = if t_min == f64::NEG_INFINITY { 0.0 } else { t_min.abs() };
+        let far = largest([start, largest(ray.nears(size)).abs(), smallest(ray.fars(size)).abs()]);
         if !EXACT {
-            ray.time_slack = 0.0;
-            ray.half = [1.0; 3];
+            (ray.time_slack, ray.half) = (0.0, 1.0);
+        } else if tame && (TINY..=HUGE).contains(&far) {
+            ray.time_slack = far * UNIT;
+            ray.half = 0.5 - (far_out + speed * far + f64::from(size)) * UNIT;
         }
         ray.stop = t_max - ray.time_slack;
-        ray
+        Some(ray)
     }
 
-    /// Bounds the errors of the f64 values; leaves the slacks infinite where numbers are so small or so large that
-    /// products may under- or overflow.
+    /// When the ray crosses the near planes of the cube, which face it, by f64 alone; never where it does not move.
     #[inline(always)]
-    fn set_slack(&mut self, t_min: f64, size: i32) {
-        const UNIT: f64 = f64::from_bits((1023 - 49) << 52); // 16 x 2^-53
-        // One instruction each, where `f64::max` also asks for NaN, which cannot be here.
-        let max = |a: f64, b: f64| if a > b { a } else { b };
-        let min = |a: f64, b: f64| if a < b { a } else { b };
-        // All times that matter lie between the cube's near and far planes, or are t_min.
-        let mut far = if t_min == f64::NEG_INFINITY { 0.0 } else { t_min.abs() };
-        let (mut near, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);
-        let (mut largest, mut flattest) = (0.0, 0.0);
-        for i in 0..3 {
-            largest = max(largest, max(self.origin[i].abs(), self.dir[i].abs()));
-            if self.moving(i) {
-                let (a, b) = (self.t(i, 0), self.t(i, size));
-                let (a, b) = if self.up[i] != 0 { (a, b) } else { (b, a) };
-                (near, leave) = (max(near, a), min(leave, b));
-                flattest = max(flattest, self.inverse[i].abs());
-            }
-        }
-        far = max(far, max(near.abs(), leave.abs()));
-        // Products of these stay clear of both ends of the range. A NaN among the times fails, too.
-        if !(largest <= HUGE && flattest <= HUGE && (TINY..=HUGE).contains(&far)) {
-            return;
-        }
-        self.time_slack = far * UNIT;
-        for i in 0..3 {
-            let terms = self.origin[i].abs() + self.dir[i].abs() * far + f64::from(size);
-            self.half[i] = 0.5 - terms * UNIT;
-        }
+    fn nears(&self, size: i32) -> [f64; 3] {
+        axes(|i| self.t(i, size & !self.up[i]))
+    }
+
+    /// When it crosses the far ones.
+    #[inline(always)]
+    fn fars(&self, size: i32) -> [f64; 3] {
+        axes(|i| self.t(i, size & self.up[i]))
+    }
+
+    /// Times that are further apart are in the order of their f64 values.
+    #[cfg(test)]
+    pub(super) fn time_slack(&self) -> f64 {
+        self.time_slack
+    }
+
+    /// Places that are further from the middle of a cell are too close to a plane to tell.
+    #[cfg(test)]
+    pub(super) fn half(&self) -> f64 {
+        self.half
     }
 
     /// Whether the ray moves along an axis.
@@ -158,25 +219,20 @@ impl Ray {
         Crossing { axis, plane: f64::from(plane), t: self.t(axis, plane) }
     }
 
-    /// The voxel's coordinates at time `t` by f64 alone, and a bit for each axis on which they are too close to a plane.
+    /// The voxel's coordinate on an axis at time `t` by f64 alone, and whether that is certain: no plane is too close.
     #[inline(always)]
-    fn places(&self, t: f64) -> ([i32; 3], u32) {
+    pub(super) fn place(&self, axis: usize, t: f64) -> (i32, bool) {
         // Adding this number rounds to an integer and leaves it in the low bits.
         const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
-        let (mut places, mut doubt) = ([0; 3], 0);
-        for i in 0..3 {
-            let middle = self.origin[i] + self.dir[i] * t - 0.5;
-            let rounded = middle + ROUND;
-            places[i] = rounded.to_bits() as i32;
-            doubt |= u32::from(!((middle - (rounded - ROUND)).abs() < self.half[i])) << i;
-        }
-        (places, doubt)
+        let middle = self.origin[axis] + self.dir[axis] * t - 0.5;
+        let rounded = middle + ROUND;
+        (rounded.to_bits() as i32, (middle - (rounded - ROUND)).abs() < self.half)
     }
 
     /// The planes through which the ray leaves the cube of `side` (a power of two) around voxel `p`.
     #[inline(always)]
     pub(super) fn planes(&self, p: [i32; 3], side: i32) -> [i32; 3] {
-        core::array::from_fn(|i| (p[i] & -side) + (side & self.up[i]))
+        axes(|i| (p[i] & -side) + (side & self.up[i]))
     }
 
     /// First and last cell on an axis that the ray can reach from cell `p` before it crosses `plane`.
@@ -186,36 +242,88 @@ impl Ray {
         ((p & up) | (plane & !up), ((plane - 1) & up) | (p & !up))
     }
 
-    /// The planes through which the ray leaves a box of cells of a level: it begins at the cell of `p` and reaches so many
-    /// cells ahead.
+    /// The first voxel in the cube, by f64 values alone: `Err` if these are too close to tell, `Ok(None)` if the ray
+    /// certainly misses.
     #[inline(always)]
-    pub(super) fn box_planes(&self, p: [i32; 3], level: usize, reach: [i32; 3]) -> [i32; 3] {
-        core::array::from_fn(|i| {
-            let cell = p[i] >> level;
-            (if self.up[i] != 0 { cell + reach[i] } else { cell + 1 - reach[i] }) << level
-        })
+    pub(super) fn enter(&self, size: i32) -> Result<Option<[i32; 3]>, Unclear> {
+        let (nears, leave) = (self.nears(size), smallest(self.fars(size)));
+        let near = largest(nears);
+        let now = if near > self.t_min { near } else { self.t_min };
+        if now > leave + self.time_slack {
+            return Ok(None);
+        }
+        // It comes in through one near plane, after t_min, or is inside by then.
+        let close = nears.map(|t| !(t < near - self.time_slack));
+        let outside = near > self.t_min + self.time_slack;
+        let inside = near < self.t_min - self.time_slack;
+        let places = axes(|i| self.place(i, now));
+        let crossed = axes(|i| close[i] & outside);
+        let certain = axes(|i| crossed[i] | places[i].1);
+        let clear = certain[0] & certain[1] & certain[2];
+        if !((inside | outside & alone(close)) & clear & (now < leave - self.time_slack) & (now < self.stop)) {
+            return Err(Unclear);
+        }
+        Ok(Some(axes(|i| select(crossed[i], (size - 1) & !self.up[i], places[i].0.max(0).min(size - 1)))))
     }
 
-    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `None` if f64 values
+    /// The axis whose plane the ray crossed last on its way into voxel `p`, by f64 values alone; `Err` if these are too
+    /// close to tell, or if that was before `t_min`.
+    #[inline(always)]
+    pub(super) fn entry_axis(&self, p: [i32; 3]) -> Result<usize, Unclear> {
+        let t = axes(|i| self.t(i, p[i] + (1 & !self.up[i])));
+        let last = largest(t);
+        let close = t.map(|t| !(t < last - self.time_slack));
+        let axis = usize::from(close[1]) + 2 * usize::from(close[2]);
+        if alone(close) & (last > self.t_min + self.time_slack) { Ok(axis) } else { Err(Unclear) }
+    }
+
+    /// The voxel in which the ray is once it has left a box around `p` through the first of `planes`; `Err` if f64 values
     /// are too close to tell, or if that may be at `t_max` or later. `single`: the box is one voxel.
     #[inline(always)]
-    pub(super) fn step(&self, p: [i32; 3], planes: [i32; 3], single: bool) -> Option<[i32; 3]> {
-        let t: [f64; 3] = core::array::from_fn(|i| self.t(i, planes[i]));
-        let first = if t[1] < t[0] { t[1] } else { t[0] };
-        let now = if t[2] < first { t[2] } else { first };
-        let limit = now + self.time_slack;
-        // A NaN is neither above nor below, and so counts as close.
-        let close = t.map(|t| !(t > limit));
-        let (places, doubt) = self.places(now);
-        let alone = u8::from(close[0]) + u8::from(close[1]) + u8::from(close[2]) == 1;
-        let clear = (0..3).all(|i| close[i] | (doubt >> i & 1 == 0)) | single;
-        if !(alone & clear & (now < self.stop)) {
-            return None;
+    pub(super) fn step(&self, p: [i32; 3], planes: [i32; 3], single: bool) -> Result<[i32; 3], Unclear> {
+        // A branch on the axis is often foreseen, and then nothing waits for the comparison.
+        let t = axes(|i| self.t(i, planes[i]));
+        if t[1] < t[0] {
+            if t[2] < t[1] { self.cross::<2>(p, planes, t, single) } else { self.cross::<1>(p, planes, t, single) }
+        } else if t[2] < t[0] {
+            self.cross::<2>(p, planes, t, single)
+        } else {
+            self.cross::<0>(p, planes, t, single)
         }
-        Some(core::array::from_fn(|i| {
-            let (low, high) = self.ahead(i, p[i], planes[i]);
-            if close[i] { planes[i] + !self.up[i] } else { places[i].max(low).min(high) }
-        }))
+    }
+
+    /// The same if the plane of axis `A` comes first.
+    #[inline(always)]
+    fn cross<const A: usize>(
+        &self,
+        p: [i32; 3],
+        planes: [i32; 3],
+        t: [f64; 3],
+        single: bool,
+    ) -> Result<[i32; 3], Unclear> {
+        let (b, c) = ((A + 1) % 3, (A + 2) % 3);
+        let now = t[A];
+        let limit = now + self.time_slack;
+        let mut next = p;
+        next[A] = planes[A] + !self.up[A];
+        // A NaN is neither above nor below, and so counts as close.
+        if !((t[b] > limit) & (t[c] > limit) & (now < self.stop)) {
+            return Err(Unclear);
+        }
+        if !single {
+            let ((pb, cb), (pc, cc)) = (self.place(b, now), self.place(c, now));
+            if !(cb & cc) {
+                return Err(Unclear);
+            }
+            (next[b], next[c]) = (pb, pc);
+        }
+        if self.strays {
+            for i in [b, c] {
+                let (low, high) = self.ahead(i, p[i], planes[i]);
+                next[i] = next[i].max(low).min(high);
+            }
+        }
+        Ok(next)
     }
 
     /// The order in which two crossings enter their voxels; equal ones enter together.
@@ -249,14 +357,14 @@ impl Ray {
 
     /// The cell on an axis within `low..=high` that the ray is in once `now` has been crossed.
     pub(super) fn cell<const EXACT: bool>(&self, axis: usize, now: &Crossing, low: i32, high: i32) -> i32 {
-        let (places, doubt) = self.places(now.t);
+        let (place, certain) = self.place(axis, now.t);
         let (mut low, mut high) = (low, high);
-        if doubt >> axis & 1 == 0 {
-            return places[axis].max(low).min(high);
+        if certain {
+            return place.max(low).min(high);
         }
         // The place is near a plane: only the cells beside it are left, unless f64 cannot tell at all.
-        if self.half[axis] > 0.25 {
-            (low, high) = ((places[axis] - 1).max(low).min(high), (places[axis] + 1).max(low).min(high));
+        if self.half > 0.25 {
+            (low, high) = ((place - 1).max(low).min(high), (place + 1).max(low).min(high));
         }
         // Bisect: ask of planes whether they have been crossed.
         while low < high {

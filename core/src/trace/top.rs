@@ -2,13 +2,13 @@
 //!
 //! In: a DAG. Out: words that let a ray enter the DAG half way down, and cross empty space in boxes. A cell that holds a
 //! voxel names its node (the word offset in the DAG). An empty one says, for each of the eight octants a ray may head to,
-//! how far a box reaches ahead that is empty and begins at this cell. The box starts as the largest empty cube (a distance
+//! where a box ends that is empty and begins at this cell. The box starts as the largest empty cube (a distance
 //! transform from back to front) and grows along x, y and z while the slab ahead is empty. It is derived data: not stored,
 //! optional, and the answers do not depend on it. Source: directed distances after Cohen and Sheffer (1994); boxes ours.
 //!
 //! ```text
 //! word  ((octant n + z) n + y) n + x  of n^3 cells a side, octant = (dx >= 0) + 2 (dy >= 0) + 4 (dz >= 0)
-//!       node: offset < 2^31        empty: 1 << 31 | cells ahead along x | y << 8 | z << 16
+//!       node: offset < 2^31        empty: 1 << 31 | far plane along x | y << 9 | z << 18, in cells: 0 to n
 //! ```
 
 use crate::dag::{BRICK_LEVEL, Dag, NODE, Nodes};
@@ -27,7 +27,7 @@ pub struct Top<'a> {
 pub(super) enum Cell {
     /// The word offset of its node.
     Node(u32),
-    /// Cells that are empty ahead, itself counted, per axis.
+    /// The planes, in voxels, through which a ray leaves the empty box ahead.
     Empty([i32; 3]),
 }
 
@@ -85,7 +85,7 @@ impl<'a> Top<'a> {
                         if (0..3).all(|k| back[k] >= on(k)) {
                             let s = core::array::from_fn(|k| if up[k] { c[k] + on(k) } else { c[k] - on(k) });
                             let left = core::array::from_fn(|k| back[k] - on(k) + 1);
-                            cube = cube.min(cube_of(words[grid + at(s)], left));
+                            cube = cube.min(cube_of(reach_of(words[grid + at(s)], s, up), left));
                         }
                     }
                     let left = back.map(|b| b + 1);
@@ -99,7 +99,7 @@ impl<'a> Top<'a> {
                                 (true, false) => c[j] - reach[j],
                                 (false, _) => c[j],
                             });
-                            let beyond = reach_of(words[grid + at(ahead)]);
+                            let beyond = reach_of(words[grid + at(ahead)], ahead, up);
                             let wide = (0..3).all(|j| j == k || beyond[j] >= reach[j]);
                             let mut next = reach;
                             next[k] += if wide { beyond[k] } else { 1 };
@@ -109,7 +109,8 @@ impl<'a> Top<'a> {
                             reach[k] = next[k].min(FAR);
                         }
                     }
-                    NODE | reach[0] as u32 | (reach[1] as u32) << 8 | (reach[2] as u32) << 16
+                    let plane = |k: usize| if up[k] { c[k] + reach[k] } else { c[k] + 1 - reach[k] } as u32;
+                    NODE | plane(0) | plane(1) << 9 | plane(2) << 18
                 };
                 words[grid + at(c)] = word;
             }
@@ -135,6 +136,15 @@ impl<'a> Top<'a> {
         self.level as usize
     }
 
+    /// The node of the cell around a voxel; `None` if it is empty.
+    #[inline]
+    pub(super) fn node(&self, voxel: [u32; 3]) -> Option<usize> {
+        match self.cell(voxel.map(|x| x as i32), 0) {
+            Cell::Node(node) => Some(node as usize),
+            Cell::Empty(_) => None,
+        }
+    }
+
     /// The cell around voxel `p`, for rays that head to `octant`.
     #[inline(always)]
     pub(super) fn cell(&self, p: [i32; 3], octant: usize) -> Cell {
@@ -143,7 +153,7 @@ impl<'a> Top<'a> {
         if word & NODE == 0 {
             Cell::Node(word)
         } else {
-            Cell::Empty([0, 8, 16].map(|shift| (word >> shift & 0xff) as i32))
+            Cell::Empty([0, 9, 18].map(|shift| ((word >> shift & 0x1ff) << self.level) as i32))
         }
     }
 }
@@ -184,15 +194,21 @@ impl TopBuf {
 /// Cells that nothing limits: a box is never longer.
 const FAR: usize = 255;
 
-/// How far the box of a cell with this word reaches, per axis; 0 if the cell is not empty.
-fn reach_of(word: u32) -> [usize; 3] {
-    if word & NODE == 0 { [0; 3] } else { [0, 8, 16].map(|shift| (word >> shift & 0xff) as usize) }
+/// How far the box of cell `c` with this word reaches, per axis; 0 if the cell is not empty.
+fn reach_of(word: u32, c: [usize; 3], up: [bool; 3]) -> [usize; 3] {
+    if word & NODE == 0 {
+        return [0; 3];
+    }
+    core::array::from_fn(|k| {
+        let plane = (word >> (9 * k) & 0x1ff) as usize;
+        if up[k] { plane - c[k] } else { c[k] + 1 - plane }
+    })
 }
 
-/// Side of the largest empty cube that begins at a cell with this word, `left` cells from the borders ahead; the world
-/// beyond the border is empty. The box holds the cube and was grown from it, so its shortest side tells.
-fn cube_of(word: u32, left: [usize; 3]) -> usize {
-    reach_of(word).into_iter().zip(left).map(|(r, l)| if r == l { FAR } else { r }).fold(FAR, usize::min)
+/// Side of the largest empty cube that begins at a cell whose box has this reach, `left` cells from the borders ahead; the
+/// world beyond the border is empty. The box holds the cube and was grown from it, so its shortest side tells.
+fn cube_of(reach: [usize; 3], left: [usize; 3]) -> usize {
+    reach.into_iter().zip(left).map(|(r, l)| if r == l { FAR } else { r }).fold(FAR, usize::min)
 }
 
 /// Numbers of filled cells below each corner of the grid, so that any box can be asked in eight look-ups.

@@ -10,132 +10,132 @@
 
 use core::cmp::Ordering;
 
-use super::ray::{Crossing, Ray};
+use super::ray::{Crossing, Ray, Unclear, axes};
 use super::top::Cell;
-use super::{Face, Hit, Query, Tracer};
+use super::{Face, Hit, Query, Steps, Tracer};
 use crate::dag::BRICK_LEVEL;
 use crate::morton::Morton;
 
-/// Nearest hit, and the number of rounds that it took.
+/// Nearest hit, and what it took.
 #[inline(never)]
-pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, u32) {
-    let query = &query.anchored();
-    let mut rounds = 0;
+pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, Steps) {
+    let mut steps = Steps::default();
     let size = 1i32 << tracer.dag.depth();
-    if tracer.dag.is_empty() || !Ray::exists(query, size) {
-        return (None, rounds);
-    }
-    let ray = Ray::new::<EXACT>(query, size);
-    let Some(start) = enter::<EXACT>(&ray, query, size) else { return (None, rounds) };
-    let found = walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut rounds);
-    (found.map(|(p, level)| arrive::<EXACT>(&ray, p, level, size, query)), rounds)
+    let Some((ray, start)) = begin::<EXACT>(query, size) else { return (None, steps) };
+    let found = walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut steps);
+    (found.map(|(p, level)| arrive::<EXACT>(&ray, p, level, size, query)), steps)
 }
 
 /// Any hit.
 #[inline(never)]
 pub(super) fn occluded<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> bool {
-    let query = &query.anchored();
     let size = 1i32 << tracer.dag.depth();
-    if tracer.dag.is_empty() || !Ray::exists(query, size) {
-        return false;
+    let Some((ray, start)) = begin::<EXACT>(query, size) else { return false };
+    walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut Steps::default()).is_some()
+}
+
+/// The ray of a query and its first voxel in a cube of `size` voxels; `None` for a miss.
+#[inline(always)]
+pub(super) fn begin<const EXACT: bool>(query: &Query, size: i32) -> Option<(Ray, [i32; 3])> {
+    let ray = Ray::new::<EXACT>(query, size)?;
+    if let Some(voxel) = query.start {
+        let p = voxel.decode().map(|x| x as i32);
+        return p.iter().all(|x| *x < size).then_some((ray, p));
     }
-    let ray = Ray::new::<EXACT>(query, size);
-    let Some(start) = enter::<EXACT>(&ray, query, size) else { return false };
-    walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut 0).is_some()
+    let first = match ray.enter(size) {
+        Ok(first) => first,
+        Err(Unclear) => enter_close::<EXACT>(&ray, query, size),
+    };
+    first.map(|p| (ray, p))
 }
 
 /// From voxel `p` to the first filled one, and the level of what was hit. With `TOP` the tracer has a top grid, and its
 /// cells are no smaller than `min_level`.
-#[inline(always)]
+#[inline(never)]
 pub(super) fn walk<const EXACT: bool, const TOP: bool>(
     tracer: &Tracer<'_>,
     ray: &Ray,
     mut p: [i32; 3],
     min_level: u8,
-    rounds: &mut u32,
+    steps: &mut Steps,
 ) -> Option<([i32; 3], u8)> {
     let dag = tracer.dag;
     let depth = dag.depth();
     let outside = -1i32 << depth;
+    if dag.is_empty() {
+        return None;
+    }
     let goal = min_level.min(depth);
+    // The way down ends at a brick, or at the first node that counts as filled.
+    let floor = goal.max(BRICK_LEVEL) as usize;
     let mut level = depth.max(BRICK_LEVEL) as usize;
-    let mut nodes = [0u32; 22];
-    nodes[level] = dag.root() as u32;
+    let mut nodes = [0u32; 32];
+    nodes[level & 31] = dag.root() as u32;
     let top = if TOP { tracer.top } else { None };
     loop {
-        *rounds += 1;
-        // Above the top grid's cells, look up the cell: its node, or the box that is empty ahead.
-        let mut boxed = None;
-        if let Some(top) = &top
-            && level > top.level()
-        {
-            match top.cell(p, ray.octant) {
-                Cell::Node(node) => {
-                    level = top.level();
-                    nodes[level] = node;
-                }
-                Cell::Empty(reach) => {
-                    level = top.level() + 1;
-                    boxed = Some(ray.box_planes(p, top.level(), reach));
+        steps.rounds += 1;
+        let (planes, single) = 'empty: {
+            // Above the top grid's cells, look up the cell: its node, or the box that is empty ahead.
+            if let Some(top) = &top
+                && level > top.level()
+            {
+                match top.cell(p, ray.octant) {
+                    Cell::Node(node) => {
+                        level = top.level();
+                        nodes[level & 31] = node;
+                    }
+                    Cell::Empty(planes) => {
+                        level = top.level() + 1;
+                        break 'empty (planes, false);
+                    }
                 }
             }
-        }
-        let (planes, single) = match boxed {
-            Some(planes) => (planes, false),
-            None => {
-                // Go down to a brick, or to the largest empty cube around the voxel.
-                let mut empty = loop {
-                    if level <= goal as usize && level > BRICK_LEVEL as usize {
-                        return Some((p, goal));
-                    }
-                    if level == BRICK_LEVEL as usize {
-                        break 0;
-                    }
-                    level -= 1;
-                    let bit = |i: usize| (p[i] as u32 >> level) & 1;
-                    let octant = bit(0) | bit(1) << 1 | bit(2) << 2;
-                    match dag.child(nodes[level + 1] as usize, octant) {
-                        Some(child) => nodes[level] = child as u32,
-                        None => break level,
-                    }
-                };
-                // In a brick, look at the voxel and at the 2^3 around it.
-                if empty == 0 {
-                    let brick = dag.brick_at(nodes[BRICK_LEVEL as usize] as usize);
-                    let block = (p[0] & 2) << 2 | (p[1] & 2) << 3 | (p[2] & 2) << 4;
-                    let eight = (brick >> block) as u8;
-                    let bit = (p[0] & 1) | (p[1] & 1) << 1 | (p[2] & 1) << 2;
-                    if eight >> bit & 1 != 0 || goal > 0 && (goal == BRICK_LEVEL || eight != 0) {
-                        return Some((p, goal));
-                    }
-                    empty = usize::from(eight == 0);
+            // Go down to the largest empty cube around the voxel.
+            while level > floor {
+                level -= 1;
+                let bit = |i: usize| (p[i] as u32 >> level) & 1;
+                let octant = bit(0) | bit(1) << 1 | bit(2) << 2;
+                match dag.child(nodes[(level + 1) & 31] as usize, octant) {
+                    Some(child) => nodes[level & 31] = child as u32,
+                    None => break 'empty (ray.planes(p, 1 << level), false),
                 }
-                (ray.planes(p, 1 << empty), empty == 0)
             }
+            if floor > BRICK_LEVEL as usize {
+                return Some((p, goal));
+            }
+            // In a brick, look at the voxel and at the 2^3 around it.
+            let brick = dag.brick_at(nodes[BRICK_LEVEL as usize] as usize);
+            let block = (p[0] & 2) << 2 | (p[1] & 2) << 3 | (p[2] & 2) << 4;
+            let eight = (brick >> block) as u8;
+            let bit = (p[0] & 1) | (p[1] & 1) << 1 | (p[2] & 1) << 2;
+            if eight >> bit & 1 != 0 || goal > 0 && (goal == BRICK_LEVEL || eight != 0) {
+                return Some((p, goal));
+            }
+            (ray.planes(p, 1 + i32::from(eight == 0)), eight != 0)
         };
 
         // Leave the box through the plane that comes first, and follow the ray on the other axes.
         let next = match ray.step(p, planes, single) {
-            Some(next) => next,
-            None => ray.step_close::<EXACT>(p, planes)?,
+            Ok(next) => next,
+            Err(Unclear) => {
+                steps.close += 1;
+                ray.step_close::<EXACT>(p, planes)?
+            }
         };
         if (next[0] | next[1] | next[2]) & outside != 0 {
             return None;
         }
         // The lowest ancestor that the old and the new voxel share is still known.
         let changed = (p[0] ^ next[0] | p[1] ^ next[1] | p[2] ^ next[2]) as u32;
-        level = level.max((32 - changed.leading_zeros()) as usize);
+        level = level.max((changed | 1).ilog2() as usize + 1);
         p = next;
     }
 }
 
-/// The first voxel in the cube; `None` for a miss.
-#[inline(always)]
-pub(super) fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<[i32; 3]> {
-    if let Some(voxel) = query.start {
-        let p = voxel.decode().map(|x| x as i32);
-        return p.iter().all(|x| *x < size).then_some(p);
-    }
+/// The first voxel in the cube where f64 values are too close to tell; `None` for a miss.
+#[cold]
+#[inline(never)]
+fn enter_close<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option<[i32; 3]> {
     // The ray enters with the last of the planes that face it, unless it has crossed them all at t_min.
     let start = Crossing::at_time(query.t_min);
     let mut now = start;
@@ -168,7 +168,33 @@ pub(super) fn enter<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> O
 const FACES: [[Face; 2]; 3] = [[Face::PosX, Face::NegX], [Face::PosY, Face::NegY], [Face::PosZ, Face::NegZ]];
 
 /// The hit at voxel `p`: entry face, time and the voxel before.
+#[inline]
 pub(super) fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size: i32, query: &Query) -> Hit {
+    let side = 1i32 << level;
+    let low = p.map(|x| x & -side);
+    let code = |p: [i32; 3]| Morton::encode_masked(p.map(|x| x as u32));
+    let started = |p: [i32; 3]| query.start.is_some_and(|start| start == code(p));
+
+    // One plane came last.
+    if let Ok(i) = ray.entry_axis(p)
+        && !started(p)
+    {
+        let positive = ray.up[i] != 0;
+        let before = if positive { p[i] - 1 } else { p[i] + 1 };
+        let entry = if positive { p[i] == low[i] } else { p[i] == low[i] + side - 1 };
+        let face = if entry { FACES[i][usize::from(positive)] } else { Face::Inside };
+        let t = ray.time(&ray.crossing(i, p[i] + (1 & !ray.up[i]))).max(query.t_min);
+        let inside = before >= 0 && before < size;
+        let from = inside.then(|| code(axes(|k| if k == i { before } else { p[k] })));
+        return Hit { voxel: code(low), from, t, level, face };
+    }
+    arrive_close::<EXACT>(ray, p, level, size, query)
+}
+
+/// The same where f64 values are too close to tell.
+#[cold]
+#[inline(never)]
+fn arrive_close<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size: i32, query: &Query) -> Hit {
     let side = 1i32 << level;
     let low = p.map(|x| x & -side);
     let code = |p: [i32; 3]| Morton::encode_masked(p.map(|x| x as u32));

@@ -38,10 +38,11 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
 }
 
 fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found]) -> Result<()> {
-    let dag = scene.dag;
+    let top = rays::top_grid(scene.dag)?;
+    let tracer = rays::tracer(scene.dag, &top)?;
     let kind = |kind| {
         Arm::each(found, move |f: &Found| {
-            let n = normal(dag, materials, &f.hit, f.dir, kind).direction;
+            let n = normal(tracer, materials, &f.hit, f.dir, kind).direction;
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };

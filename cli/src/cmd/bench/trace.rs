@@ -1,7 +1,7 @@
 //! `voxdag bench trace`: rays per second.
 
 use serde::Serialize;
-use voxdag::trace::{Arithmetic, Hit, Query, Top, Tracer};
+use voxdag::trace::{Arithmetic, Hit, Query, Steps, Top, Tracer};
 
 use super::{Run, checksum, rays};
 use crate::error::Result;
@@ -32,6 +32,8 @@ struct Report {
     iterations_per_ray: f64,
     /// The same without the top grid.
     iterations_per_ray_no_top: f64,
+    /// Rounds per primary ray that f64 could not decide, so that exact arithmetic did.
+    close_per_ray: f64,
     /// Time of exact by time of f64 tracing of the primary rays.
     exact_to_f64: f64,
     /// Time of any-hit by time of nearest-hit tracing of the primary rays.
@@ -120,8 +122,8 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     )?;
 
     let hits = |rays: &[Query], arithmetic| rays.iter().filter(|q| tracer.trace(arithmetic, q).is_some()).count();
-    let rounds = |tracer: Tracer<'_>| {
-        let all: u64 = primary.iter().map(|q| u64::from(tracer.trace_counted(Arithmetic::Exact, q).1)).sum();
+    let per_ray = |tracer: Tracer<'_>, of: fn(Steps) -> u32| {
+        let all: u64 = primary.iter().map(|q| u64::from(of(tracer.trace_counted(Arithmetic::Exact, q).1))).sum();
         all as f64 / primary.len() as f64
     };
     let all = primary.len();
@@ -137,8 +139,9 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
         primary_any: Rate::of(&any_hit, all, any_hit.checksum as usize),
         shadow: Rate::of(&shadowed, shadow.len(), shadowed.checksum as usize),
         random: Rate::of(&scattered, random.len(), hits(&random, Arithmetic::Exact)),
-        iterations_per_ray: rounds(tracer),
-        iterations_per_ray_no_top: rounds(plain),
+        iterations_per_ray: per_ray(tracer, |steps| steps.rounds),
+        iterations_per_ray_no_top: per_ray(plain, |steps| steps.rounds),
+        close_per_ray: per_ray(tracer, |steps| steps.close),
         exact_to_f64: exact.ratio(&f64),
         any_to_nearest: any_hit.ratio(&exact),
         noise: again.ratio(&exact),
@@ -165,6 +168,7 @@ fn lines(report: &Report) -> Lines {
                 report.iterations_per_ray, report.iterations_per_ray_no_top
             ),
         )
+        .row("too close for f64", format!("{:6.4} iterations per primary ray", report.close_per_ray))
         .row("exact to f64", format!("{:6.3} of the time", report.exact_to_f64))
         .row("any to nearest", format!("{:6.3} of the time", report.any_to_nearest))
         .row("noise", format!("{:6.3}: the primary rays' time, measured twice", report.noise))
