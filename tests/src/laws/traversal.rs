@@ -118,8 +118,8 @@ fn check(shape: &SelfSimilar, tracers: &[Tracer<'_>; 2], query: &Query) {
     }
     for tracer in tracers {
         for arithmetic in [Arithmetic::Exact, Arithmetic::F64] {
-            let (hit, rounds) = tracer.trace_counted(arithmetic, query);
-            assert!(rounds <= 3 << depth, "{rounds} rounds: {query:?}");
+            let (hit, steps) = tracer.trace_counted(arithmetic, query);
+            assert!(steps.rounds <= 3 << depth, "{steps:?}: {query:?}");
             if arithmetic == Arithmetic::Exact && known && query.start.is_none() {
                 same(hit, truth.as_ref(), query);
             }
