@@ -3,7 +3,7 @@
 use voxdag::materials::Single;
 use voxdag::math::{add_scaled, cross, dot, normalize, sub};
 use voxdag::normal::{Confidence, Normal, NormalKind, normal};
-use voxdag::trace::{Face, Hit};
+use voxdag::trace::{Face, Hit, TopBuf, Tracer};
 use voxdag::{Dag, Morton};
 
 use super::Bytes;
@@ -39,7 +39,7 @@ pub fn normals(data: &[u8]) {
     let in_cube = |v: &Voxel| v.iter().all(|&x| (0..1 << depth).contains(&x));
     let voxels: Vec<Voxel> = (0..343).filter(|&i| window[i]).map(|i| add(corner, cell_of(i))).filter(in_cube).collect();
     let voxel = add(corner, place);
-    if !in_cube(&voxel) {
+    if voxel.iter().any(|x| !(0..1 << 21).contains(x)) {
         return;
     }
     let words = VoxelSet::new(voxels.iter().map(|v| v.map(|x| x as u32))).words(depth);
@@ -47,9 +47,12 @@ pub fn normals(data: &[u8]) {
     let code = Morton::encode(voxel.map(|x| x as u32)).expect("within the cube");
     let hit = Hit { voxel: code, from: None, t: 0.0, level: 0, face };
     let found = normal(dag, Single(0), &hit, dir, kind);
+    let top = TopBuf::new(&dag, 2).unwrap();
+    let tracer = Tracer::with_top(dag, top.as_top()).expect("the grid is this DAG's");
+    assert_eq!(normal(tracer, Single(0), &hit, dir, kind), found, "a top grid changes the normal");
     let length2: f64 = found.direction.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
     assert!((length2 - 1.0).abs() < 1e-6, "no unit vector: {found:?}");
-    if dir.iter().all(|x| x.is_finite()) {
+    if in_cube(&voxel) && dir.iter().all(|x| x.is_finite()) {
         let twin = Twin { voxels, voxel, dir: normalize(dir).unwrap_or([0.0; 3]), face: entry_face(face, dir) };
         twin.check(&found, kind);
     }
