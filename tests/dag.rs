@@ -296,6 +296,14 @@ fn d03_there_is_one_root() {
     let end = words.len() as u32;
     words[5..22].fill(end);
     assert_eq!(Dag::new(&words).err(), Some(DagError::Root));
+    // A node above the root.
+    let mut words = some_set(12, 5, 40).words(5);
+    words.extend([1 << 31 | 1, words[4]]);
+    let end = words.len() as u32;
+    words[6..22].fill(end);
+    assert_eq!(Dag::new(&words).err(), Some(DagError::Root));
+    words[0] = 6;
+    assert!(Dag::new(&words).is_ok());
     // Two bricks where one is all there can be; none where there is a node.
     let mut words = some_set(13, 2, 20).words(2);
     words.extend([1, 0]);

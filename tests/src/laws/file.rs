@@ -64,7 +64,7 @@ fn template_file(number: u8) -> Vec<u32> {
     let parts = Parts {
         grid: Grid { origin: [0.5, -1.0, 2.0], voxel_size: 0.25, resolution: 1 << depth },
         bounds: Bounds { min: [0.5, -1.0, 2.0], max: [2.0, 2.0, 4.0] },
-        up: if number % 2 == 0 { UpAxis::Y } else { UpAxis::Z },
+        up: if number.is_multiple_of(2) { UpAxis::Y } else { UpAxis::Z },
         metres_per_unit: 0.0,
         dag: Dag::new(&words).unwrap(),
         voxel_materials: if number <= 2 { AnyMaterials::Table(table.as_table()) } else { single },

@@ -11,7 +11,7 @@ pub fn obj(data: &[u8]) {
         assert!(!asked.contains(&path.to_string()), "asked twice for {path}");
         asked.push(path.to_string());
         // Every path is another library; a file that names many is read in proportion to its size only up to here.
-        (path.len() % 2 == 0 && asked.len() < 20).then(|| data.to_vec())
+        (path.len().is_multiple_of(2) && asked.len() < 20).then(|| data.to_vec())
     });
     match result {
         Ok(model) => in_order(&model, data.len()),
