@@ -5,6 +5,7 @@
 #   ./ci.sh test       one of them
 #   ./ci.sh miri long  everything that Miri can do, on three machines (7 minutes instead of 2)
 #   ./ci.sh fuzz 60    every fuzz target for 60 seconds (nightly and cargo-fuzz needed; not part of `all`)
+#   ./ci.sh mutants    every rule and check taken away in turn: does a test notice? (python3 needed; not part of `all`)
 set -euo pipefail
 cd "$(dirname "$0")"
 
@@ -131,8 +132,13 @@ check_fuzz() {
         # New inputs go to a folder that git does not see; the committed ones seed it.
         mkdir -p "fuzz/target/corpus/$target"
         cargo +nightly fuzz run "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" "fuzz/regressions/$target" \
-            -- -max_total_time="$seconds" -max_len=1024
+            -- -max_total_time="$seconds" -max_len=1024 -timeout=30
     done
+}
+
+# Every rule and check taken away in turn: does a test notice? Minutes; python3 needed.
+check_mutants() {
+    tests/mutants/run.py "$@"
 }
 
 check_all() {
@@ -160,7 +166,7 @@ in_readme() {
 
 name=${1:-all}
 if ! declare -F "check_$name" >/dev/null; then
-    echo "no check named $name; there are: all ${ALL[*]} fuzz" >&2
+    echo "no check named $name; there are: all ${ALL[*]} fuzz mutants" >&2
     exit 2
 fi
 shift || true

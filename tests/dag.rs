@@ -269,6 +269,69 @@ fn d03_any_words_are_refused_or_harmless() {
 }
 
 #[test]
+fn d03_nodes_that_are_none_are_refused() {
+    let words = some_set(11, 6, 40).words(6);
+    let refused = |bad: &[u32], word: usize| {
+        assert_eq!(Dag::new(bad).err(), Some(DagError::Node { word: word as u32 }), "word {word}: {:#x}", bad[word]);
+    };
+    let mut word = words[2] as usize;
+    while word < words.len() {
+        // A bit that means nothing, no mark of a node, and no child.
+        for bit in 8..32 {
+            let mut bad = words.clone();
+            bad[word] ^= 1 << bit;
+            refused(&bad, word);
+        }
+        let mut bad = words.clone();
+        bad[word] &= !0xff;
+        refused(&bad, word);
+        word += 1 + (words[word] & 0xff).count_ones() as usize;
+    }
+    // The last node of each level with more children than the level has words.
+    for level in 3..=6 {
+        let (start, end) = (words[level - 1] as usize, words[level] as usize);
+        let last = (start..end).rfind(|&word| words[word] >> 31 == 1).unwrap();
+        let mut bad = words.clone();
+        bad[last] |= 0xff;
+        if bad[last] != words[last] {
+            refused(&bad, last);
+        }
+    }
+}
+
+#[test]
+fn d03_there_is_one_root() {
+    // A second root behind the first, a copy of it.
+    let mut words = some_set(12, 5, 40).words(5);
+    let root = words[4] as usize;
+    words.extend_from_within(root..);
+    let end = words.len() as u32;
+    words[5..22].fill(end);
+    assert_eq!(Dag::new(&words).err(), Some(DagError::Root));
+    // A node above the root.
+    let mut words = some_set(12, 5, 40).words(5);
+    words.extend([1 << 31 | 1, words[4]]);
+    let end = words.len() as u32;
+    words[6..22].fill(end);
+    assert_eq!(Dag::new(&words).err(), Some(DagError::Root));
+    words[0] = 6;
+    assert!(Dag::new(&words).is_ok());
+    // Two bricks where one is all there can be; none where there is a node.
+    let mut words = some_set(13, 2, 20).words(2);
+    words.extend([1, 0]);
+    (words[1], words[2]) = (2, words[2] + 2);
+    let end = words[2];
+    words[3..22].fill(end);
+    assert_eq!(Dag::new(&words).err(), Some(DagError::Root));
+    let mut empty = VoxelSet::default().words(5);
+    assert!(Dag::new(&empty).is_ok());
+    empty.extend([7, 0]);
+    empty[1] = 1;
+    empty[2..22].fill(HEADER as u32 + 2);
+    assert_eq!(Dag::new(&empty).err(), Some(DagError::Root));
+}
+
+#[test]
 fn d04_another_depth_is_refused() {
     for depth in (3..=10u8).chain([16, 21]) {
         let words = some_set(5, depth, 50).words(depth);

@@ -402,6 +402,51 @@ fn d04_errors_say_where() {
     assert_eq!(read(section(4) + 1, 10), LoadError::Name { index: 0 });
     assert_eq!(read(section(4) + 3, u32::from_le_bytes(*b"r\xffdw")), LoadError::Name { index: 0 });
     assert_eq!(read(section(4) + 5, u32::from_le_bytes(*b"e\0\0x")), LoadError::Name { index: 2 });
+    // Numbers of the header, each next to one that is right.
+    let number = |at: usize, value: f64| {
+        let mut words = good.clone();
+        (words[at], words[at + 1]) = (value.to_bits() as u32, (value.to_bits() >> 32) as u32);
+        mend(&mut words);
+        file::read(&words).map(|_| ()).unwrap_err()
+    };
+    for value in [f64::NAN, f64::INFINITY, 1e300] {
+        assert_eq!(number(16, value), LoadError::Bounds, "{value}");
+    }
+    assert_eq!(number(22, f64::INFINITY), LoadError::Bounds);
+    for value in [-1.0, f64::NAN, f64::INFINITY] {
+        assert_eq!(number(28, value), LoadError::Unit, "{value}");
+        assert!(matches!(number(14, value), LoadError::Grid(_)));
+    }
+    assert!(matches!(number(8, f64::NAN), LoadError::Grid(_)));
+    // Fewer words than there are, by the header alone.
+    let length = good.len() as u64;
+    assert_eq!(read(2, good[2] - 1), LoadError::Trailing { expected: length - 1, found: length });
+    // A material that no table of them can hold, and names out of place.
+    let (dag, all) = (dag_words(), materials());
+    let mut alone = parts(&dag, None, &all).to_vec().unwrap();
+    alone[6] = 1 << 16;
+    mend(&mut alone);
+    assert_eq!(file::read(&alone).unwrap_err(), LoadError::MaterialId { count: 1 << 16, found: 1 << 16 });
+    assert_eq!(read(section(4), 1), LoadError::Name { index: 0 });
+    for (end, expected) in [(13, 7), (8, 5), (0, 3)] {
+        assert_eq!(read(section(4) + 2, end), LoadError::Names { expected, found: 6 });
+    }
+    let three = [all[0], all[1], Material::GREY];
+    let mut named = Parts { materials: &three, names: &["ab", "c", "d"], ..parts(&dag, None, &all) }.to_vec().unwrap();
+    let names = named[32 + 6 + 2] as usize;
+    assert_eq!(named[names..][..4], [0, 2, 3, 4]);
+    named[names + 2] = 1;
+    mend(&mut named);
+    assert_eq!(file::read(&named).unwrap_err(), LoadError::Name { index: 1 });
+    // Part of a material behind the last one.
+    let mut more = parts(&dag, None, &all).to_vec().unwrap();
+    let names = more[32 + 6 + 2] as usize;
+    more.insert(names, 0);
+    more[32 + 4] += 1;
+    (1..more[7] as usize).for_each(|row| more[32 + 6 * row + 2] += 1);
+    more[2] += 1;
+    mend(&mut more);
+    assert_eq!(file::read(&more).unwrap_err(), LoadError::MaterialCount { found: 41 });
     let crc_word = good[33];
     let mut words = good.clone();
     words[section(3)] ^= 1;

@@ -8,6 +8,7 @@ use voxdag::math::{add_scaled, cross, dot, normalize, sub};
 use voxdag::normal::{Confidence, Normal, NormalKind, normal};
 use voxdag::trace::{Face, Hit, Query, TopBuf, Tracer};
 use voxdag::{Dag, Morton};
+use voxdag_oracle::eigen::jacobi;
 use voxdag_oracle::octree::VoxelSet;
 use voxdag_oracle::rng::Rng;
 
@@ -493,35 +494,6 @@ fn stored_normals_come_first_where_there_are_any() {
     }
 }
 
-/// Eigenvalues, ascending, with eigenvectors of a symmetric matrix by cyclic Jacobi rotations (Golub, Van Loan 2013,
-/// 8.5).
-fn jacobi(mut a: [[f64; 3]; 3]) -> [(f64, [f64; 3]); 3] {
-    let mut v = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    for _ in 0..30 {
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q] == 0.0 {
-                continue;
-            }
-            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            for row in &mut a {
-                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
-            }
-            for k in 0..3 {
-                (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);
-            }
-            for row in &mut v {
-                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
-            }
-        }
-    }
-    let mut pairs = [0, 1, 2].map(|i| (a[i][i], [v[0][i], v[1][i], v[2][i]]));
-    pairs.sort_by(|x, y| x.0.total_cmp(&y.0));
-    pairs
-}
-
 #[test]
 fn planes_agree_with_jacobi_voxel_by_voxel() {
     const SEED: u64 = 16;
@@ -644,5 +616,18 @@ fn the_length_of_the_direction_does_not_matter() {
     for other in [short, long] {
         assert_eq!(other.confidence, usual.confidence);
         assert!((0..3).all(|i| (other.direction[i] - usual.direction[i]).abs() < 1e-6), "{other:?} {usual:?}");
+    }
+}
+
+/// A view that is nearly, but not quite, along a line of voxels: what is left across it may be as small as f64 goes.
+#[test]
+fn n02_a_line_seen_nearly_along_it() {
+    let line = Set::new((-3..=3).map(|y| [0, y, 0]));
+    for across in [1e-3, 1e-150, 1e-160, 1e-200, 1e-300, 1e-307] {
+        for (kind, _) in PLANES {
+            let n = line.normal([0; 3], kind, [across, 1.0, -across]);
+            assert_eq!(n.confidence, Confidence::Line, "{across:e}");
+            assert_near(&n, [-1.0, 0.0, 1.0], 1e-4);
+        }
     }
 }

@@ -294,6 +294,51 @@ fn h02_key_0_and_the_last_are_stored_and_no_code_is_refused() {
     }
 }
 
+/// The words of a table without normals whose slots hold these keys, in the places they are given; its header is right.
+fn by_hand(slots: u64, longest: u32, keys: &[(u64, u64)]) -> Vec<u32> {
+    let mut words = vec![0; Table::words_for(slots, false) as usize];
+    (words[0], words[1], words[2], words[4]) = (3, longest, slots as u32, keys.len() as u32);
+    for &(place, key) in keys {
+        words[8 + 3 * place as usize..][..2].copy_from_slice(&[key as u32, (key >> 32) as u32]);
+    }
+    words
+}
+
+#[test]
+fn h1_h3_h4_layouts_that_no_writer_makes_are_refused() {
+    // Three codes of one home, in the order of their hashes, are a table; in any other order, or doubled, they are none.
+    let [a, b, c]: [u64; 3] = core::array::from_fn(|i| homed_at(5, 64).nth(i).unwrap() + 1);
+    assert!(Table::new(&by_hand(64, 3, &[(5, a), (6, b), (7, c)])).is_ok());
+    for [x, y, z] in [[a, c, b], [b, a, c], [c, b, a], [a, a, b], [a, b, b]] {
+        let words = by_hand(64, 3, &[(5, x), (6, y), (7, z)]);
+        let result = Table::new(&words);
+        assert!(matches!(result, Err(TableError::Order { .. })), "{result:?}");
+    }
+    for places in [[4, 5, 6], [6, 7, 8], [5, 6, 8], [5, 7, 8]] {
+        let words = by_hand(64, 4, &[(places[0], a), (places[1], b), (places[2], c)]);
+        let result = Table::new(&words);
+        assert!(matches!(result, Err(TableError::Order { .. })), "{places:?}: {result:?}");
+    }
+    // As far from home as an entry may be, and one further.
+    let run =
+        |count: u64| -> Vec<_> { homed_at(5, 4096).take(count as usize).zip(5..).map(|(k, at)| (at, k + 1)).collect() };
+    assert!(Table::new(&by_hand(4096, 256, &run(256))).is_ok());
+    assert_eq!(Table::new(&by_hand(4096, 257, &run(257))).err(), Some(TableError::Order { word: 8 + 3 * 261 }));
+    // More than 7/8 full.
+    let full: Vec<_> = (0..8).map(|home| (home, homed_at(home, 8).next().unwrap() + 1)).collect();
+    assert!(Table::new(&by_hand(8, 1, &full[..7])).is_ok());
+    assert_eq!(Table::new(&by_hand(8, 1, &full)).err(), Some(TableError::Header { word: 4 }));
+    // A key that is no code plus 1.
+    let last = |key: u64| {
+        let home = ((u128::from(voxdag_oracle::table::splitmix(key)) * 8) >> 64) as u64;
+        Table::new(&by_hand(8, 1, &[(home, key)])).map(|table| table.len())
+    };
+    assert_eq!(last(1 << 63), Ok(1));
+    for key in [(1 << 63) + 1, u64::MAX] {
+        assert!(matches!(last(key), Err(TableError::Slot { .. })));
+    }
+}
+
 /// A change is refused, or makes another table: every entry that its slots hold is found.
 #[test]
 fn every_flipped_bit_is_refused_or_harmless() {

@@ -49,7 +49,7 @@ fn lift(polygon: &[Point], view: usize) -> Vec<[f64; 3]> {
 }
 
 fn cut(polygon: &[[f64; 3]]) -> Vec<[u32; 3]> {
-    Triangulator::default().triangulate(polygon).to_vec()
+    Triangulator::default().triangulate(polygon).unwrap().to_vec()
 }
 
 /// A star-shaped polygon around the origin: points by angle, one per direction. A small range gives many flat corners

@@ -898,6 +898,124 @@ fn v17_wide_planes_are_translated_too() {
     }
 }
 
+/// Triangles across the largest grid, whose planes are beyond i64: they are sorted into the subtrees that they meet.
+#[test]
+fn v03_huge_triangles_reach_the_subtrees_that_they_meet() {
+    const N: i64 = 1 << 21;
+    for seed in 0..40 {
+        let mut rng = Rng::new(seed);
+        let triangle = [(); 3].map(|()| [(); 3].map(|()| rng.between(0, 256 * N - 1)));
+        let shape = of(&[triangle.map(|p| p.map(|x| x as f64 / 256.0))]);
+        for (cover, cell) in [(Cover::Exact, Cell::HalfOpen), (Cover::Inflated, Cell::Inflated)] {
+            let mesh = shape.mesh();
+            let voxelizer = Voxelizer::new(&mesh, &unit_grid(N as u32), cover).unwrap();
+            let side = 1i64 << voxelizer.subtree_depth();
+            let found: BTreeSet<_> =
+                (0..voxelizer.subtrees()).map(|i| voxelizer.subtree_code(i).decode().map(i64::from)).collect();
+            let corners = (0..(N / side).pow(3)).map(|i| {
+                let n = N / side;
+                [i % n * side, i / n % n * side, i / n / n * side]
+            });
+            let truth: BTreeSet<_> = corners.filter(|&k| clip::meets_cube(&triangle, k, side, cell)).collect();
+            assert!(truth.len() >= 4 && found == truth, "seed {seed}, {cover:?}: {found:?} is not {truth:?}");
+        }
+    }
+}
+
+/// The tie of two triangles of one material, equally far from a voxel's centre, goes by the normal, not by their order.
+#[test]
+fn v12_ties_of_one_material_go_by_the_normal() {
+    let across_x = [[1.25, 0.0, 0.0], [1.25, 4.0, 0.0], [1.25, 0.0, 4.0]];
+    let across_y = [[0.0, 1.25, 0.0], [0.0, 1.25, 4.0], [4.0, 1.25, 0.0]];
+    for triangles in [[across_x, across_y], [across_y, across_x]] {
+        let shape = of(&triangles);
+        let mesh = shape.mesh();
+        let voxelizer = Voxelizer::new(&mesh, &unit_grid(4), Cover::Exact).unwrap();
+        let mut shared = 0;
+        let marks = voxelizer.voxelize::<VoxelizeError>(0, |brick| {
+            voxelizer.owners(0, brick, |bit, _, normal| {
+                if brick.triangles.iter().all(|t| t.1 >> bit & 1 == 1) {
+                    shared += 1;
+                    assert_eq!(normal, [0, 1, 0]);
+                }
+            });
+            Ok(())
+        });
+        marks.unwrap();
+        assert!(shared > 0);
+    }
+}
+
+/// The owner of every voxel: its place in the grid, material and normal, of triangles with a material each.
+fn owners_of(triangles: &[[[f64; 3]; 3]], resolution: u32) -> Vec<([u32; 3], u16, [i64; 3])> {
+    let shape = of(triangles);
+    let materials: Vec<u16> = (0..triangles.len() as u16).collect();
+    let mesh = Mesh { materials: &materials, ..shape.mesh() };
+    let voxelizer = Voxelizer::new(&mesh, &unit_grid(resolution), Cover::Exact).unwrap();
+    let mut owners = Vec::new();
+    for subtree in 0..voxelizer.subtrees() {
+        let first = voxelizer.subtree_code(subtree).0;
+        let marks = voxelizer.voxelize::<VoxelizeError>(subtree, |brick| {
+            voxelizer.owners(subtree, brick, |bit, material, normal| {
+                owners.push((Morton(first | brick.code.0 | u64::from(bit)).decode(), material, normal));
+            });
+            Ok(())
+        });
+        marks.unwrap();
+    }
+    owners
+}
+
+/// A triangle without area owns a voxel only where no other marks it, though its name comes first and it is near.
+#[test]
+fn v12_triangles_without_area_come_last() {
+    let segment = [[0.5, 0.5, 0.5], [6.5, 0.5, 0.5], [3.5, 0.5, 0.5]];
+    let far = [[0.0, 0.0, 0.9], [3.75, 0.0, 0.9], [0.0, 3.75, 0.9]];
+    let owners = owners_of(&[segment, far], 8);
+    for (voxel, material, normal) in &owners {
+        let shared = voxel[1] == 0 && voxel[0] < 4;
+        assert_eq!(
+            (*material, *normal),
+            if shared || voxel[1] > 0 { (1, [0, 0, 1]) } else { (0, [0; 3]) },
+            "{voxel:?}"
+        );
+    }
+    assert!(owners.iter().filter(|owner| owner.1 == 0).count() == 3 && owners.len() == 13);
+}
+
+/// The normal that is kept does not depend on the winding: its first component that is not 0 is positive.
+#[test]
+fn v12_normals_have_a_canonical_sign() {
+    for seed in 0..200 {
+        let mut rng = Rng::new(seed);
+        let [a, b, c] = [(); 3].map(|()| [(); 3].map(|()| f64::from(rng.below(17) as u32) / 2.0));
+        let owners = owners_of(&[[a, b, c]], 8);
+        assert_eq!(owners, owners_of(&[[a, c, b]], 8), "seed {seed}");
+        let first = owners[0].2.iter().find(|x| **x != 0).copied();
+        assert!(first.is_none_or(|x| x > 0), "seed {seed}: {:?}", owners[0]);
+    }
+}
+
+/// A triangle that comes to a grown voxel's edge and no further meets it: the inflated box is closed.
+#[test]
+fn v18_inflated_voxels_are_closed() {
+    for seed in 0..200 {
+        let mut rng = Rng::new(seed);
+        // In the plane x + y = 4 + 1/256, which touches the edges that are 1/512 beyond x = 1, 2, 3 and y = 3, 2, 1; seen
+        // along any axis.
+        let turns = rng.below(3) as usize;
+        let triangle = [(); 3].map(|()| {
+            let (x, z) = (rng.between(0, 1024), rng.between(0, 1024));
+            let mut p = [x, 1025 - x, z].map(|x| x as f64 / 256.0);
+            p.rotate_left(turns);
+            p
+        });
+        if triangle.iter().flatten().all(|x| (0.0..=4.0).contains(x)) {
+            check(&of(&[triangle]), &unit_grid(8), &format!("seed {seed}"));
+        }
+    }
+}
+
 /// Two triangles of one plane are equally far from every voxel: the name decides, whatever their size.
 #[test]
 fn v12_owners_of_coplanar_triangles_go_by_name() {

@@ -2,8 +2,12 @@
 
 mod common;
 use common::{GRID, Sandbox};
-use voxdag::materials::Materials;
-use voxdag::{Grid, Morton};
+use voxdag::build::DagBuilder;
+use voxdag::file::Parts;
+use voxdag::grid::{Bounds, UpAxis};
+use voxdag::materials::{AnyMaterials, Materials, Single};
+use voxdag::table::TableBuf;
+use voxdag::{Grid, Material, Morton};
 
 fn words(s: &Sandbox, name: &str) -> Vec<u32> {
     s.read(name).chunks(4).map(|b| u32::from_le_bytes(b.try_into().unwrap())).collect()
@@ -125,6 +129,49 @@ fn what_cannot_be_exported_is_refused() {
     s.run("export box.obj --to xyz -o out.xyz").fails(3, &["not a voxdag scene"]);
     assert_eq!(s.files(), before);
     assert_eq!(s.ok("export large.vxd --to xyz").stdout, "4096 0 17 1\n");
+}
+
+/// Writes the full cube of 2^63 voxels into a file of less than two kilobytes, with one material or an empty table.
+fn fullest_cube(s: &Sandbox, name: &str, table: bool) {
+    let mut cube = DagBuilder::new(2).unwrap();
+    cube.push(Morton(0), u64::MAX).unwrap();
+    let mut cube = cube.finish().unwrap();
+    for depth in 3..=21 {
+        let mut builder = DagBuilder::new(depth).unwrap();
+        (0..8).for_each(|octant| builder.append(Morton(octant << (3 * (depth - 1))), &cube.dag()).unwrap());
+        cube = builder.finish().unwrap();
+    }
+    let entries = TableBuf::new(1, false).unwrap();
+    let grid = Grid { resolution: 1 << 21, ..GRID };
+    let parts = Parts {
+        grid,
+        bounds: Bounds { min: grid.origin, max: grid.to_world([f64::from(1 << 21); 3]) },
+        up: UpAxis::Y,
+        metres_per_unit: 0.0,
+        dag: cube.dag(),
+        voxel_materials: if table { AnyMaterials::Table(entries.as_table()) } else { AnyMaterials::Single(Single(0)) },
+        materials: &[Material::GREY],
+        names: &["grey"],
+    };
+    let words = parts.to_vec().unwrap();
+    assert!(words.len() < 400, "{} words", words.len());
+    s.write(name, words.iter().flat_map(|word| word.to_le_bytes()).collect::<Vec<_>>());
+}
+
+#[test]
+fn d05_the_fullest_cube_is_counted_and_refused_in_no_time() {
+    let s = Sandbox::new();
+    fullest_cube(&s, "full.vxd", false);
+    fullest_cube(&s, "table.vxd", true);
+    assert_eq!(s.ok("info full.vxd --json").json()["voxels"], 1u64 << 63);
+    s.ok("verify full.vxd");
+    s.run("verify table.vxd").fails(3, &["9223372036854775808 voxels, but 0 entries"]);
+    let before = s.files();
+    for to in ["npy -o out.npy", "xyz -o out.xyz", "npy -o -"] {
+        s.run(&format!("export full.vxd --to {to}")).fails(4, &["9,223,372,036,854,775,808 voxels", "hint:"]);
+    }
+    s.run("export full.vxd --to binvox -o out.binvox").fails(4, &["2097152", "4096"]);
+    assert_eq!(s.files(), before);
 }
 
 #[cfg(unix)]

@@ -155,8 +155,9 @@ impl Grid {
         if self.resolution == 0 || self.resolution > MAX_RESOLUTION {
             return Err(GridError::Resolution { asked: f64::from(self.resolution) });
         }
+        // Sizes of 0, below 0, infinite, and no number at all have no such scale either.
         let scale = SUB as f64 / self.voxel_size;
-        if !(self.voxel_size > 0.0 && self.voxel_size.is_finite() && scale.is_finite() && scale > 0.0) {
+        if !(scale.is_finite() && scale > 0.0) {
             return Err(GridError::VoxelSize { size: self.voxel_size });
         }
         if !self.origin.iter().all(|x| x.is_finite()) {
@@ -242,6 +243,14 @@ mod tests {
         assert!(matches!(Grid::fit(&b, MAX_RESOLUTION + 1), Err(GridError::Resolution { .. })));
         assert!(matches!(Grid::with_voxel_size(&b, f64::NAN), Err(GridError::VoxelSize { .. })));
         assert!(matches!(Grid::with_voxel_size(&b, 1e-9), Err(GridError::Resolution { .. })));
+        for size in [0.0, -0.0, -1.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e-310] {
+            let refused = Grid { origin: [0.0; 3], voxel_size: size, resolution: 4 }.checked();
+            assert!(matches!(refused, Err(GridError::VoxelSize { .. })), "{size}");
+        }
+        for origin in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let grid = Grid { origin: [0.0, origin, 0.0], voxel_size: 1.0, resolution: 4 };
+            assert_eq!(grid.checked(), Err(GridError::NotFinite));
+        }
         let huge = Bounds { min: [-1.7e308; 3], max: [1.7e308; 3] };
         assert_eq!(Grid::fit(&huge, 4), Err(GridError::NotFinite));
         let grid = Grid::fit(&b, 4).unwrap();

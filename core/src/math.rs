@@ -57,3 +57,22 @@ pub fn normalize(a: [f64; 3]) -> Option<[f64; 3]> {
     let length = sqrt(dot(b, b));
     Some([b[0] / length, b[1] / length, b[2] / length])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn directions_of_any_length_and_no_others_are_normalized() {
+        for length in [5e-324, 1e-300, 1.0, 1e300, f64::MAX] {
+            assert_eq!(normalize([0.0, -length, 0.0]), Some([0.0, -1.0, 0.0]), "{length}");
+        }
+        assert_eq!(normalize([3e-200, 0.0, -4e-200]), Some([0.6, 0.0, -0.8]));
+        for none in [0.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!(normalize([none, 0.0, 0.0]), None);
+            if none != 0.0 {
+                assert_eq!(normalize([1.0, 2.0, none]), None, "{none}");
+            }
+        }
+    }
+}

@@ -48,16 +48,23 @@ impl Triangulator {
     /// The triangles of `polygon`, as indices into it: `n - 2` of them, none if there are fewer than 3 corners.
     ///
     /// Each triangle begins with the corner whose coordinates come first. O(n^2). Coordinates that are not finite give
-    /// some triangles, but no panic. At most 2^32 - 1 corners; more give no triangles.
-    pub fn triangulate(&mut self, polygon: &[[f64; 3]]) -> &[[u32; 3]] {
+    /// some triangles, but no panic. At most 2^32 - 1 corners; more give no triangles. `Err` with the number of bytes that
+    /// could not be had.
+    pub fn triangulate(&mut self, polygon: &[[f64; 3]]) -> Result<&[[u32; 3]], usize> {
         self.triangles.clear();
+        self.corners.clear();
+        let triangles = polygon.len().saturating_sub(2);
+        self.triangles.try_reserve(triangles).map_err(|_| triangles * size_of::<[u32; 3]>())?;
+        if polygon.len() > 3 {
+            self.corners.try_reserve(polygon.len()).map_err(|_| polygon.len() * size_of::<Corner>())?;
+        }
         if polygon.len() == 3 {
             self.triangles.push(from_least(polygon, [0, 1, 2]));
         } else if polygon.len() > 3 && u32::try_from(polygon.len()).is_ok() {
             self.load(polygon);
             self.cut(polygon);
         }
-        &self.triangles
+        Ok(&self.triangles)
     }
 
     /// Fills the ring from the least rotation on, with lattice positions and the state of every ear.
@@ -65,7 +72,6 @@ impl Triangulator {
         let n = polygon.len() as u32;
         let start = least_rotation(polygon);
         let lattice = Lattice::new(polygon);
-        self.corners.clear();
         self.corners.extend((0..n).map(|place| {
             let index = (start + place as usize) % polygon.len();
             let position = lattice.position(polygon[index]);
@@ -292,7 +298,7 @@ mod tests {
 
     fn cut(polygon: &[[f64; 2]]) -> Vec<[u32; 3]> {
         let polygon: Vec<_> = polygon.iter().map(|p| [p[0], p[1], 0.5]).collect();
-        Triangulator::default().triangulate(&polygon).to_vec()
+        Triangulator::default().triangulate(&polygon).unwrap().to_vec()
     }
 
     #[test]

@@ -13,6 +13,7 @@ pub mod thin;
 pub mod brute;
 pub mod ray;
 
+pub mod eigen;
 pub mod octree;
 pub mod scenes;
 pub mod subject;

@@ -53,6 +53,9 @@ enum Format {
     Npy,
 }
 
+/// Most voxels that a list of them may have: 64 GiB of NumPy rows. A file of one kilobyte can stand for 2^63.
+const MOST_LISTED: u64 = 1 << 32;
+
 /// What `export --json` prints.
 #[derive(Serialize)]
 struct Report {
@@ -93,6 +96,18 @@ pub fn run(args: &Args) -> Result<()> {
             .hint(format_args!("export to xyz or npy, or build the scene again with -r {most}")));
     }
     let voxels = scene::count(scene.dag)?.voxels;
+    // Who reads lines can stop; a file, or an array with its length in front, is wanted whole.
+    let whole = args.to == Format::Npy || args.to == Format::Xyz && to_file;
+    if whole && voxels > MOST_LISTED {
+        let message = format_args!(
+            "{}: {} voxels, a list ends at {}",
+            args.scene.display(),
+            grouped(voxels),
+            grouped(MOST_LISTED)
+        );
+        return Err(Error::new(Kind::Limit, message)
+            .hint("build the scene again with a smaller -r, or read as many lines as you need from --to xyz"));
+    }
 
     let mut bytes = 0;
     sink.finish(|out| {

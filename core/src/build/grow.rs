@@ -207,7 +207,7 @@ impl<H: BuildHasher> Store for Grown<H> {
         let hasher = &self.hasher;
         let rehash = |i: &u32| hasher.hash_one(&nodes[at(nodes, *i)]);
         let set = &mut self.sets[level as usize];
-        set.try_reserve(1, rehash).map_err(no_memory(5 * set.len()))?;
+        set.try_reserve(1, rehash).map_err(no_memory(5 * (set.len() + 1)))?;
         set.insert_unique(hash, id, rehash);
         Ok(id)
     }

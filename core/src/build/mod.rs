@@ -243,3 +243,30 @@ pub(crate) fn write_header(header: &mut [u32], depth: u8, bricks: u64, level_wor
     }
     Some(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dag::HEADER;
+
+    /// Offsets end at 2^31 - 1; nothing wraps, however many there are.
+    #[test]
+    fn more_words_than_offsets_can_name_have_no_header() {
+        let mut header = [0; HEADER];
+        let most = (u64::from(NODE) - 1 - HEADER as u64) / 2;
+        let mut level_words = [0; 22];
+        assert_eq!(write_header(&mut header, 21, most, &level_words), Some(()));
+        assert_eq!(u64::from(header[21]), HEADER as u64 + 2 * most);
+        assert_eq!(write_header(&mut header, 21, most + 1, &level_words), None);
+        for level in [3, 20, 21] {
+            level_words = [0; 22];
+            for words in [u64::from(NODE), 1 << 32, 1 << 40] {
+                level_words[level] = words;
+                assert_eq!(write_header(&mut header, 21, 1, &level_words), None, "{words} words in level {level}");
+            }
+            level_words[level] = u64::from(NODE) - 1 - HEADER as u64 - 2;
+            assert_eq!(write_header(&mut header, 21, 1, &level_words), Some(()));
+        }
+        assert_eq!(write_header(&mut header, 21, 1 << 32, &[0; 22]), None);
+    }
+}

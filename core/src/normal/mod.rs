@@ -117,8 +117,9 @@ impl View {
         match plane::fit(&moments) {
             Fit::Point => None,
             Fit::Line(line) => {
-                // line x (dir x line) = dir |line|^2 - line (line . dir), exactly 0 if they are parallel.
-                let across = math::cross(line, math::cross(self.dir, line));
+                // line x (dir x line) = dir |line|^2 - line (line . dir), exactly 0 if they are parallel, and as small as
+                // f64 goes if they nearly are.
+                let across = math::normalize(math::cross(line, math::cross(self.dir, line)))?;
                 oriented(across, self.dir.map(|x| -x), Confidence::Line)
             }
             Fit::Solid => self.gradient(tracer, voxel),

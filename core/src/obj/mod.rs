@@ -271,7 +271,8 @@ fn assemble(parsed: &[tobj::Model], ids: &Ids) -> Result<Model, ImportError> {
             let (uv, normal) = (mesh.texcoord_indices.get(face.clone()), mesh.normal_indices.get(face));
             polygon.clear();
             polygon.extend(indices.iter().map(|&index| model.positions[(base + index) as usize]));
-            for &corners in triangulator.triangulate(&polygon) {
+            let cut = triangulator.triangulate(&polygon);
+            for &corners in cut.map_err(|bytes| error(1, format!("no memory: {bytes} bytes could not be had")))? {
                 let corners = corners.map(|corner| corner as usize);
                 model.triangles.push(corners.map(|corner| base + indices[corner]));
                 model.triangle_materials.push(id);

@@ -82,9 +82,10 @@ impl TableMut<'_> {
         let mut rest = self.range().words;
         let start = move |part: u32| (u128::from(slots) * u128::from(part) / u128::from(parts.max(1))) as u64;
         (0..parts).map(move |part| {
-            let (first, homes_end) = (start(part), start(part + 1));
-            // The last part has the slots past the last home too.
-            let words = if part + 1 == parts { rest.len() } else { (homes_end - first) as usize * stride };
+            // The last part has the slots past the last home too. It also takes what a table without slots must refuse.
+            let last = part + 1 == parts;
+            let (first, homes_end) = (start(part), if last { slots.max(1) } else { start(part + 1) });
+            let words = if last { rest.len() } else { (homes_end - first) as usize * stride };
             let taken;
             (taken, rest) = core::mem::take(&mut rest).split_at_mut(words);
             let filled = FilledPart {

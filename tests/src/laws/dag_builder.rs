@@ -1,7 +1,4 @@
-//! Laws as functions of bytes: whatever the bytes, the function returns, or panics with the law that broke.
-//!
-//! In: bytes that a fuzzer, a corpus file or a generator made up. Each law is called by a target of `fuzz/` and, on
-//! stable, by `tests/replay.rs`.
+//! The DAG builders: streaming, in lent memory, and by joining subtrees, against a set of voxels.
 
 use crate::octree::{VoxelSet, deinterleave};
 use voxdag::build::{BuildError, DagBuilder, build_into, scratch_words, words_bound};
