@@ -57,7 +57,7 @@ pub enum AnyMaterials<'a> {
 
 /// A representation that owns its words.
 #[cfg(feature = "alloc")]
-#[derive(Debug)]
+#[derive(PartialEq, Debug)]
 pub enum MaterialsBuf {
     /// One material for all voxels.
     Single(Single),

@@ -32,10 +32,10 @@ impl<const N: usize> Interned<N> {
             .ok()
             .filter(|n| *n < super::MOST)
             .ok_or(BuildError::Words { needed: u64::from(super::MOST) * N as u64 })?;
-        let bytes = self.bytes() + 4 * N as u64 + 5;
-        self.list.try_reserve(1).map_err(|_| BuildError::Memory { bytes })?;
+        let len = self.list.len() as u64 + 1;
+        self.list.try_reserve(1).map_err(|_| BuildError::Memory { bytes: len * 4 * N as u64 })?;
         let list = &self.list;
-        self.set.try_reserve(1, |&i| hash(&list[i as usize])).map_err(|_| BuildError::Memory { bytes })?;
+        self.set.try_reserve(1, |&i| hash(&list[i as usize])).map_err(|_| BuildError::Memory { bytes: 5 * len })?;
         self.list.push(record);
         let list = &self.list;
         self.set.insert_unique(key, number, |&i| hash(&list[i as usize]));
