@@ -445,6 +445,23 @@ fn r07_tiny_and_subnormal_components_count() {
 }
 
 #[test]
+fn r08_numbers_that_are_none_miss_also_where_nothing_moves() {
+    let mut builder = voxdag::build::DagBuilder::new(3).unwrap();
+    builder.push(Morton::encode([4, 0, 0]).unwrap(), 1 << 9 | 1).unwrap();
+    let built = builder.finish().unwrap();
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let query = Query { start: Some(Morton(0)), ..Query::new([0.5, bad, 0.5], [1.0, 0.0, 0.0]) };
+        assert_eq!(built.dag().trace(&query), None);
+        assert!(built.dag().trace(&Query { origin: [0.5; 3], ..query }).is_some());
+    }
+    // A start far off the line ends, and overflows nothing.
+    for y in [-2147483648.0 - 3.5, 2147483647.0 + 0.5, 4294967296.0] {
+        let query = Query { start: Some(Morton(0)), ..Query::new([0.5, y, 0.5], [1.0, 1.0, 0.0]) };
+        let _ = (built.dag().trace(&query), built.dag().trace(&Query { dir: [1.0, -1.0, 0.0], ..query }));
+    }
+}
+
+#[test]
 fn r08_what_is_no_ray_misses_in_no_time() {
     let scene = eighth(8);
     let dag = scene.dag();

@@ -212,6 +212,47 @@ fn what_is_out_of_place_is_refused() {
 }
 
 #[test]
+fn bricks_without_voxels_are_passed_over() {
+    let map = Map::from([(0, 5), (64, 7), (512, 6), (513, 5)]);
+    let mut builder = TreeBuilder::new(4).unwrap();
+    for (code, mask, ids) in bricks(&map) {
+        // With and without ids, also with voxels that have none and ids that have no voxel.
+        builder.push(Morton(code), 0, &[]).unwrap();
+        builder.push(Morton(code), 0, &[4]).unwrap();
+        builder.push(Morton(code), 0, &[4, 9]).unwrap();
+        builder.push(Morton(code), mask, &[]).unwrap();
+        builder.push(Morton(code), mask | 1 << 63, &[&ids[..], &[]].concat()).unwrap();
+    }
+    for code in [1024, 4032] {
+        builder.push(Morton(code), 0, &[8]).unwrap();
+    }
+    let built = builder.finish().unwrap();
+    assert_eq!(built.words(), build(4, &map).words());
+    let mut builder = TreeBuilder::new(2).unwrap();
+    builder.push(Morton(0), 1, &[4, 7]).unwrap();
+    assert_eq!(builder.finish().unwrap().words(), build(2, &Map::from([(0, 4)])).words());
+}
+
+#[test]
+fn bits_without_meaning_are_refused() {
+    // An odd number of halves leaves half a word.
+    let odd = (1..40u16).find_map(|n| {
+        let map: Map = (0..64 * u64::from(n)).map(|code| (code, u16::from(code % 64 < u64::from(n)))).collect();
+        let words = build(5, &map).words().to_vec();
+        (words[26] % 2 == 1).then_some(words)
+    });
+    let mut junk = odd.expect("some tree has an odd number of halves");
+    assert!(Tree::new(&junk).is_ok());
+    *junk.last_mut().unwrap() |= 0x8000_0000;
+    assert!(Tree::new(&junk).is_err());
+    // Halves in a level above the root.
+    let mut above = build(4, &Map::from([(0, 1)])).words().to_vec();
+    above[8 + 5..27].fill(2);
+    above.push(0);
+    assert!(matches!(Tree::new(&above), Err(voxdag::tree::TreeError::Header { word: 13 })));
+}
+
+#[test]
 fn a_file_keeps_it_from_version_2_on() {
     use voxdag::file::{LoadError, Parts};
     use voxdag::grid::{Bounds, UpAxis};
@@ -241,7 +282,7 @@ fn a_file_keeps_it_from_version_2_on() {
     assert_eq!((words[1], read.get(Morton(64)), read.get(Morton(66))), (2, 1, 0));
     // The tree of another cube, or one that names a material that does not exist.
     let deeper = build(4, &Map::from([(64, 1)]));
-    assert!(matches!(parts(&deeper), Err(file::WriteError::Invalid(LoadError::Depth { expected: 3, found: 4 }))));
+    assert!(matches!(parts(&deeper), Err(file::WriteError::Invalid(LoadError::TreeDepth { expected: 3, found: 4 }))));
     let unknown = build(3, &Map::from([(64, 2)]));
     assert!(matches!(parts(&unknown), Err(file::WriteError::Invalid(LoadError::MaterialId { count: 2, found: 2 }))));
 }

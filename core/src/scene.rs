@@ -306,7 +306,7 @@ impl PendingMaterials<'_, '_> {
         self.owners.entries(dag)
     }
 
-    /// The material tree of `dag`; `None` if no tree was asked for.
+    /// The material tree of `dag`, the DAG that these owners came with; `None` if no tree was asked for.
     pub fn tree(&self, dag: &Dag<'_>) -> Result<Option<TreeBuf>, SceneError> {
         if self.build.options.materials != MaterialMode::Tree {
             return Ok(None);
@@ -316,17 +316,18 @@ impl PendingMaterials<'_, '_> {
         let mut mixed = &self.owners.mixed[..];
         for (i, ((code, mask), &owner)) in dag.bricks().zip(&self.owners.bricks).enumerate() {
             if owner == MIXED {
-                let (ids, rest) = mixed.split_at(mask.count_ones() as usize);
+                let (ids, rest) = mixed.split_at_checked(mask.count_ones() as usize).unwrap_or((mixed, &[]));
                 mixed = rest;
                 builder.push(code, mask, ids)?;
             } else {
                 builder.push_uniform(code, owner as MaterialId)?;
             }
-            // Laying it out takes as much again.
             if i % 4096 == 0 {
                 self.build.within(held + 2 * builder.bytes())?;
             }
         }
+        // Laying it out takes as much again.
+        self.build.within(held + 2 * builder.bytes())?;
         Ok(Some(builder.finish()?))
     }
 

@@ -62,7 +62,9 @@ impl core::fmt::Display for BuildError {
                 write!(f, "the brick at Morton code {code} comes too late: expected ascending codes without overlap")
             }
             BuildError::Outside { code } => write!(f, "the brick at Morton code {code} reaches outside the cube"),
-            BuildError::Words { needed } => write!(f, "the DAG needs {needed} words or more, which is over the limit"),
+            BuildError::Words { needed } => {
+                write!(f, "what is built needs {needed} words or more, which is over the limit")
+            }
             BuildError::Scratch { needed } => write!(f, "building needs {needed} words of scratch memory or more"),
             BuildError::Memory { bytes } => write!(f, "out of memory: {bytes} bytes could not be had"),
         }

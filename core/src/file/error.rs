@@ -157,8 +157,17 @@ pub enum LoadError {
     Dag(DagError),
     /// The material table is none; offsets count from its section's start.
     Table(TableError),
-    /// The material tree.
+    /// The material tree is none; offsets count from its section's start.
     Tree(TreeError),
+    /// The material tree's depth is not the DAG's.
+    TreeDepth {
+        /// The DAG's depth.
+        expected: u8,
+        /// The tree's.
+        found: u8,
+    },
+    /// There are a material table and a material tree.
+    TableAndTree,
     /// The DAG's depth is not the grid's.
     Depth {
         /// Depth for the grid's resolution.
@@ -206,7 +215,7 @@ impl core::fmt::Display for LoadError {
             Magic { found } => write!(f, "this is no .vxd file: it starts with {:02x?}", found.to_le_bytes()),
             Endianness => write!(f, "the words are big-endian: expected little-endian; swap the bytes of each word"),
             Text => write!(f, "this is no .vxd file but a text: if it is a mesh, build it first"),
-            Version { found } => write!(f, "version {found} of the format is unknown: expected {VERSION}"),
+            Version { found } => write!(f, "version {found} of the format is unknown: expected 1 to {VERSION}"),
             Truncated { expected, found } => {
                 write!(f, "the file is cut short: expected {expected} words, found {found}")
             }
@@ -244,6 +253,10 @@ impl core::fmt::Display for LoadError {
             Dag(error) => error.fmt(f),
             Table(error) => error.fmt(f),
             Tree(error) => error.fmt(f),
+            TreeDepth { expected, found } => {
+                write!(f, "the material tree has depth {found}: expected {expected}, the DAG's")
+            }
+            TableAndTree => write!(f, "the file has a material table and a material tree: expected one of them"),
             Depth { expected, found } => {
                 write!(f, "the DAG has depth {found}: expected {expected} for the grid's resolution")
             }

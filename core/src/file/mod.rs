@@ -119,7 +119,7 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
     let dag = Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?;
     let (table, tree) = (sections[Section::Table as usize], sections[Section::Tree as usize]);
     let materials = match (table, tree, MaterialId::try_from(header[6])) {
-        (Some(_), Some(_), _) => return Err(LoadError::Duplicate { section: Section::Tree }),
+        (Some(_), Some(_), _) => return Err(LoadError::TableAndTree),
         (Some(table), None, Ok(0)) => AnyMaterials::Table(Table::new(table).map_err(LoadError::Table)?),
         (None, Some(tree), Ok(0)) => AnyMaterials::Tree(Tree::new(tree).map_err(LoadError::Tree)?),
         (Some(_), _, _) | (_, Some(_), _) => return Err(LoadError::Reserved { word: 6 }),
@@ -185,7 +185,7 @@ fn find_sections(words: &[u32]) -> Result<[Option<&[u32]>; Section::COUNT], Load
             return Err(LoadError::SectionBounds { word: (HEADER + index * ROW) as u64, offset, length });
         }
         let section = &words[next..next + length as usize];
-        crc::check(section, row[1], Some((row[0], offset)))?;
+        crc::check(section, row[1], Some((Section::of(row[0], words[1]).ok_or(row[0]), offset)))?;
         next += length as usize;
         if let Some(kind) = Section::of(row[0], words[1])
             && sections[kind as usize].replace(section).is_some()
@@ -221,7 +221,7 @@ fn check(
     if let AnyMaterials::Tree(tree) = materials
         && tree.depth() != dag.depth()
     {
-        return Err(LoadError::Depth { expected: dag.depth(), found: tree.depth() });
+        return Err(LoadError::TreeDepth { expected: dag.depth(), found: tree.depth() });
     }
     if count == 0 || count > 1 << 16 {
         return Err(LoadError::MaterialCount { found: (count * RECORD) as u64 });

@@ -2,8 +2,8 @@
 //!
 //! A crossing's time is the real number `(k - o) / d` for the plane k and one axis of the ray's origin and direction. Its
 //! f64 value carries three roundings, so it is off by at most 3.01 units of 2^-53 of itself; two values that are further
-//! apart than [`Ray::time_slack`] are in the right order. A place `o + d t` is off by at most 5 such units of its terms;
-//! if it is further than [`Ray::place_slack`] from every plane, its voxel is right. Whatever is closer is decided by the
+//! apart than [`Ray::time_slack`] are in the right order. A place `o + d t` is off by at most 6.1 such units of its terms;
+//! if it is nearer than [`Ray::half`] to the middle of a cell, its voxel is right. Whatever is closer is decided by the
 //! sign of `(k - o) d' - (k' - o') d`, summed without rounding ([`super::exact`]). No epsilon is absolute: near the ends
 //! of the f64 range, where products may under- or overflow, the slacks are infinite and everything is decided exactly.
 
@@ -66,9 +66,9 @@ fn stand_still(query: &Query, size: i32) -> Option<[f64; 3]> {
     for i in (0..3).filter(|i| query.dir[*i] == 0.0) {
         // Rounding may have put the origin beside the voxel it is to start in, and no step would ever put that right.
         let k = match query.start {
-            Some(voxel) => f64::from(voxel.decode()[i]),
+            Some(voxel) if origin[i].is_finite() => f64::from(voxel.decode()[i]),
             None if origin[i] >= 0.0 && origin[i] < f64::from(size) => f64::from(origin[i] as i32),
-            None => return None,
+            _ => return None,
         };
         origin[i] = k + 0.5;
     }
@@ -364,7 +364,7 @@ impl Ray {
         }
         // The place is near a plane: only the cells beside it are left, unless f64 cannot tell at all.
         if self.half > 0.25 {
-            (low, high) = ((place - 1).max(low).min(high), (place + 1).max(low).min(high));
+            (low, high) = (place.saturating_sub(1).max(low).min(high), place.saturating_add(1).max(low).min(high));
         }
         // Bisect: ask of planes whether they have been crossed.
         while low < high {

@@ -158,15 +158,23 @@ impl TreeBuilder {
     }
 
     /// Adds the next brick: `code` is that of its first voxel (a multiple of 64, ascending), `mask` its filled voxels in
-    /// Morton order, `ids` their materials in the same order. What is out of order or outside is refused and changes
-    /// nothing; after any other error the builder is of no more use. A brick without voxels is passed over.
+    /// Morton order, `ids` their materials in the same order; voxels beyond the last id do not count as filled, ids beyond
+    /// the last voxel are not read. What is out of order or outside is refused and changes nothing; after any other error
+    /// the builder is of no more use. A brick without voxels is passed over.
     pub fn push(&mut self, code: Morton, mask: u64, ids: &[MaterialId]) -> Result<(), BuildError> {
-        let mut few = Few::default();
-        ids.iter().for_each(|&id| few.add(id));
+        let (mut few, mut filled, mut left) = (Few::default(), 0u64, mask);
+        for &id in ids.iter().take(mask.count_ones() as usize) {
+            few.add(id);
+            filled |= left & left.wrapping_neg();
+            left &= left - 1;
+        }
+        let mask = filled;
+        if mask == 0 {
+            return Ok(());
+        }
         let voxels = || (0..64u32).filter(|bit| mask >> bit & 1 != 0).zip(ids.iter().copied());
         self.follow(code)?;
         let cube = match few.count {
-            0 => return Ok(()),
             1 => Cube::One(few.ids[0]),
             2 => {
                 few.ids.sort_unstable();
@@ -188,7 +196,7 @@ impl TreeBuilder {
         self.add(code, Cube::One(id))
     }
 
-    /// Bytes that the cubes take so far.
+    /// Bytes that the cubes take so far, room to grow included.
     pub fn bytes(&self) -> u64 {
         let Cubes { patterns, bits, pairs, nodes, few, some, many, table, .. } = &self.cubes;
         let bits: u64 = bits.iter().map(Interned::bytes).sum();

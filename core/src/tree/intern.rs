@@ -42,8 +42,8 @@ impl<const N: usize> Interned<N> {
         Ok(number)
     }
 
-    /// Bytes of the records.
+    /// Bytes of the list and the set.
     pub(super) fn bytes(&self) -> u64 {
-        self.list.len() as u64 * (4 * N as u64 + 5)
+        self.list.capacity() as u64 * 4 * N as u64 + self.set.capacity() as u64 * 6
     }
 }

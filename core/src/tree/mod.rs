@@ -17,8 +17,8 @@
 //!       6      of up to 64                       patterns:  64 bits, low word first
 //!       7      patterns                          halves:    [ inner octants | bits of the others << 8 ][ place ]...
 //! entry        kind << 29 | value: 0 material id, 1 pair, 2 node, 3 to 5 brick of up to 4, 16, 64 ids
-//! place        swap << 15 | offset, or two halves, swap << 31 | offset (low first), where the level below has more than
-//!              2^15 halves: within that level's halves, or the number of a pattern
+//! place        swap << 31 | offset: within the level's halves, or the number of a pattern. Among the halves it is
+//!              swap << 15 | offset, or two halves (low first) where the level below has more than 2^15 halves
 //! ```
 
 #[cfg(feature = "alloc")]
@@ -133,6 +133,9 @@ impl<'a> Tree<'a> {
                 return Err(TreeError::Header { word: (ENDS + i) as u32 });
             }
             starts[i + 1] = *end;
+            if i + 3 > usize::from(root) && *end != starts[i] {
+                return Err(TreeError::Header { word: (ENDS + i) as u32 });
+            }
         }
         if words[HEADER - 1] != 0 {
             return Err(TreeError::Header { word: HEADER as u32 - 1 });
@@ -160,6 +163,9 @@ impl<'a> Tree<'a> {
             rest = behind;
             part
         });
+        if starts[19] % 2 != 0 && halves[halves.len() - 1] >> 16 != 0 {
+            return Err(TreeError::Entry { word: words.len() as u32 - 1 });
+        }
         let mut wide = 0;
         for level in BRICK_LEVEL..root {
             let places = match level {
