@@ -4,12 +4,13 @@
 #   ./ci.sh            all of them, in this order; the rest still run when one fails
 #   ./ci.sh test       one of them
 #   ./ci.sh miri long  everything that Miri can do, on three machines (7 minutes instead of 2)
+#   ./ci.sh selftest long   the oracles over a hundred times as many triangles and rays (some minutes instead of seconds)
 #   ./ci.sh fuzz 60    every fuzz target for 60 seconds (nightly and cargo-fuzz needed; not part of `all`)
 #   ./ci.sh mutants    every rule and check taken away in turn: does a test notice? (python3 needed; not part of `all`)
 set -euo pipefail
 cd "$(dirname "$0")"
 
-ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo test targets miri)
+ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo selftest test targets miri)
 
 # The lock files are committed and fit their manifests.
 check_lock() {
@@ -64,6 +65,11 @@ check_demo() {
         echo "the demo's picture has changed: look at it, then keep it as docs/demo.png" >&2
         exit 1
     }
+}
+
+# The oracles against the release build, as users run them.
+check_selftest() {
+    cargo run --release --locked -- selftest ${1:+--$1}
 }
 
 # The README's second command, as it stands there.

@@ -32,6 +32,7 @@ count core::primary_without_top trace rays
 count core::shadow occluded hits
 for kind in Face Gradient Plane1 Plane2 Plane3; do count "core::normals::$kind" normals hits; done
 count core::look_up look_up rays look-up
+count core::look_up_tree look_up rays look-up
 count core::voxelize voxelize voxels
 count core::reduce reduce voxels
 count core::build::None build voxels

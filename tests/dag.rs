@@ -1,7 +1,6 @@
 //! The DAG's builders and its checked view, row by row of the catalogue (hard-cases, sections 7 and 8).
 //!
-//! Not here: H1 to H4 and H6 (the table's own tests), H5 (the table has no deletion, hence no tombstones), D9 (all errors
-//! are values; nothing is checked by assertions, and CI replays the laws in release builds too).
+//! Not here: H2 to H4 and H6 (the table's own tests), H5 (nothing is ever deleted, hence no tombstones: docs/numerics.md).
 
 use std::hash::{BuildHasher, Hasher};
 
@@ -156,12 +155,17 @@ fn d00_self_similar_shapes_at_depth_21() {
 #[test]
 fn d01_too_many_words_are_an_error() {
     // The limit stands in for 2^31 words, which no test can fill: it is the same comparison.
-    let set = some_set(1, 8, 300);
-    let words = set.words(8);
+    for (depth, count) in [(3, 90), (8, 300), (10, 20), (16, 20), (21, 20)] {
+        too_many_words(depth, &some_set(1, depth, count));
+    }
+}
+
+fn too_many_words(depth: u8, set: &VoxelSet) {
+    let words = set.words(depth);
     for limit in 0..=words.len() as u32 + 2 {
-        let mut builder = DagBuilder::new(8).unwrap();
+        let mut builder = DagBuilder::new(depth).unwrap();
         builder.limit(limit);
-        let pushed = bricks(&set).try_for_each(|(code, mask)| builder.push(code, mask));
+        let pushed = bricks(set).try_for_each(|(code, mask)| builder.push(code, mask));
         let built = pushed.and_then(|()| builder.finish());
         if limit as usize >= words.len() {
             assert_eq!(built.map(DagBuf::into_words), Ok(words.clone()), "limit {limit}");
@@ -195,7 +199,15 @@ fn d01_lent_memory_that_is_too_small_is_an_error() {
 #[test]
 fn d02_children_that_are_not_below_are_refused() {
     // Every child word pointed at every node, brick, header word and into the middle of things.
-    let words = some_set(3, 6, 60).words(6);
+    let refused: usize =
+        [(3, 60), (6, 60), (10, 4), (16, 3), (21, 2)].map(|(depth, count)| misled(depth, count)).iter().sum();
+    assert!(refused > 40_000, "{refused}");
+}
+
+/// Points each child word everywhere and counts what is refused.
+fn misled(depth: u8, count: usize) -> usize {
+    let words = VoxelSet::new(some_set(3, depth, count).codes().iter().step_by(7).map(|c| octree::deinterleave(*c)))
+        .words(depth);
     let starts: Vec<usize> = (2..=21).map(|i| words[i] as usize).collect();
     let level_of = |word: usize| 2 + starts.iter().filter(|&&s| s <= word).count();
     let mut refused = 0;
@@ -220,13 +232,13 @@ fn d02_children_that_are_not_below_are_refused() {
             }
         }
     }
-    assert!(refused > 1000);
+    refused
 }
 
 #[test]
 fn d03_any_flipped_bit_is_refused_or_harmless() {
-    for depth in [0u8, 1, 2, 3, 5, 21] {
-        let words = some_set(4, depth, 40).words(depth);
+    for (depth, count) in [(0u8, 40), (1, 40), (2, 40), (3, 40), (5, 40), (10, 5), (16, 5), (21, 5)] {
+        let words = some_set(4, depth, count).words(depth);
         for word in 0..words.len() {
             for bit in 0..32 {
                 let mut bad = words.clone();
@@ -321,7 +333,7 @@ fn d03_there_is_one_root() {
 
 #[test]
 fn d04_another_depth_is_refused() {
-    for depth in 3..=9u8 {
+    for depth in (3..=10u8).chain([16, 21]) {
         let words = some_set(5, depth, 50).words(depth);
         for other in 0..=255 {
             let mut bad = words.clone();
@@ -437,7 +449,7 @@ fn d06_order_is_kept_or_refused() {
 
 #[test]
 fn d07_every_truncation_is_refused() {
-    for depth in [0u8, 2, 3, 6] {
+    for depth in [0u8, 2, 3, 6, 10, 16, 21] {
         let words = some_set(6, depth, 50).words(depth);
         for len in 0..words.len() {
             let result = Dag::new(&words[..len]);
@@ -451,10 +463,13 @@ fn d07_every_truncation_is_refused() {
 #[test]
 fn d08_sizes_that_overflow_are_refused() {
     // As opengametools issue 87: a product of sizes that is 0 in 32 bits. Here 2^31 bricks of two words.
-    let mut words = some_set(7, 5, 30).words(5);
-    for bricks in [1 << 31, u32::MAX, (1 << 31) + words[1], 1 << 30] {
-        words[1] = bricks;
-        assert!(matches!(Dag::new(&words), Err(DagError::Header { word: 2 } | DagError::Truncated { .. })), "{bricks}");
+    for depth in [3, 5, 10, 16, 21] {
+        let mut words = some_set(7, depth, 30).words(depth);
+        for bricks in [1 << 31, u32::MAX, (1 << 31) + words[1], 1 << 30] {
+            words[1] = bricks;
+            let refused = matches!(Dag::new(&words), Err(DagError::Header { word: 2 } | DagError::Truncated { .. }));
+            assert!(refused, "{bricks} bricks at depth {depth}");
+        }
     }
     let mut header = vec![0u32; HEADER];
     header[0] = 21;
@@ -469,7 +484,7 @@ fn d08_sizes_that_overflow_are_refused() {
 
 #[test]
 fn d10_words_to_spare_are_refused() {
-    for depth in [0u8, 2, 3, 6, 21] {
+    for depth in [0u8, 2, 3, 6, 10, 16, 21] {
         let words = some_set(8, depth, 50).words(depth);
         for more in [1, 2, 3, 100] {
             let mut longer = words.clone();
@@ -506,7 +521,7 @@ impl Hasher for Poor {
 fn h07_colliding_hashes_change_nothing() {
     // All hashes equal; only two different ones; only the bits that choose a slot equal; only the others.
     for mask in [0, 1, 0xffff_ffff_0000_0000, 0x0000_0000_ffff_ffff] {
-        for depth in [3, 8, 21] {
+        for depth in [3, 8, 10, 16, 21] {
             let set = some_set(9, depth, 500);
             assert_eq!(
                 build_with(Poor(7, mask), &set, depth).words(),
@@ -519,13 +534,15 @@ fn h07_colliding_hashes_change_nothing() {
 
 #[test]
 fn h08_the_order_of_any_table_is_not_observable() {
-    let set = some_set(10, 9, 2000);
-    let expected = set.words(9);
-    for seed in 0..20 {
-        let seed = Rng::new(seed).bits();
-        assert!(build_with(Mix(seed), &set, 9).words() == expected, "hash seed {seed}");
+    for depth in [3, 9, 10, 16, 21] {
+        let set = some_set(10, depth, 1000);
+        let expected = set.words(depth);
+        for seed in 0..8 {
+            let seed = Rng::new(seed).bits();
+            assert!(build_with(Mix(seed), &set, depth).words() == expected, "hash seed {seed}, depth {depth}");
+        }
+        assert!(build_with(std::hash::RandomState::new(), &set, depth).words() == expected);
     }
-    assert!(build_with(std::hash::RandomState::new(), &set, 9).words() == expected);
 }
 
 #[test]

@@ -7,9 +7,11 @@ use voxdag::grid::UpAxis;
 use voxdag::grid::{Bounds, Grid};
 use voxdag::materials::{AnyMaterials, Materials, Single};
 use voxdag::table::{Entry, Table, TableBuf};
+use voxdag::tree::{TreeBuf, TreeBuilder};
 use voxdag::{Material, Morton};
 
 const FIXTURE: &[u8] = include_bytes!("fixtures/v1.vxd");
+const FIXTURE_2: &[u8] = include_bytes!("fixtures/v2.vxd");
 const FORMAT: &str = include_str!("../docs/format.md");
 const VOXELS: [[u32; 3]; 3] = [[0, 0, 0], [1, 0, 0], [3, 3, 3]];
 const NAMES: [&str; 2] = ["red", "w\u{00e4}nde"];
@@ -112,17 +114,67 @@ fn use_it(scene: &Scene<'_>) {
     }
 }
 
-/// To make the fixture again after a new version: `VOXDAG_BLESS=1 cargo test -p voxdag-oracle --test file`, into a file
+/// The same scene with a tree, which takes version 2.
+fn tiny_2(tree: &TreeBuf) -> Vec<u32> {
+    let (dag, materials) = (dag_words(), materials());
+    let parts = Parts { voxel_materials: AnyMaterials::Tree(tree.tree()), ..parts(&dag, None, &materials) };
+    parts.to_vec().unwrap()
+}
+
+fn tree() -> TreeBuf {
+    let mut builder = TreeBuilder::new(2).unwrap();
+    let mask = VOXELS.iter().fold(0u64, |mask, &p| mask | 1 << Morton::encode(p).unwrap().0);
+    builder.push(Morton(0), mask, &[0, 0, 1]).unwrap();
+    builder.finish().unwrap()
+}
+
+/// To make the fixtures again after a new version: `VOXDAG_BLESS=1 cargo test -p voxdag-oracle --test file`, into a file
 /// of a new name. The one of version 1 must never change.
 #[test]
 fn version_1_loads_for_ever() {
     if std::env::var_os("VOXDAG_BLESS").is_some() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/new.vxd");
         std::fs::write(path, bytes(&tiny())).unwrap();
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/new_2.vxd");
+        std::fs::write(path, bytes(&tiny_2(&tree()))).unwrap();
     }
     let words = file::words_from_bytes(FIXTURE).unwrap();
     assert_tiny(&file::read(&words).unwrap());
     assert_eq!(bytes(&tiny()), FIXTURE, "the writer changed its words: that takes a new version and a new fixture");
+}
+
+#[test]
+fn version_2_loads_for_ever() {
+    let words = file::words_from_bytes(FIXTURE_2).unwrap();
+    assert_tiny(&file::read(&words).unwrap());
+    assert_eq!(
+        bytes(&tiny_2(&tree())),
+        FIXTURE_2,
+        "the writer changed its words: that takes a new version and a new fixture"
+    );
+    // To a reader of version 1 the tree is a section like any other that it does not know.
+    let mut older = words;
+    older[1] = 1;
+    mend(&mut older);
+    assert!(matches!(file::read(&older).unwrap().materials, AnyMaterials::Single(Single(0))));
+}
+
+#[test]
+fn a_scene_has_a_table_or_a_tree() {
+    // The tiny scene's words, with the tree's section behind the table's.
+    let (first, tree) = (tiny(), tree());
+    let (rows, end) = (32..56, 56);
+    let mut words = first[..end].to_vec();
+    let offset = first.len() as u32 + 6;
+    words.extend([5, 0, offset, 0, tree.words().len() as u32, 0, 0]);
+    words.extend(&first[end + 1..]);
+    words.extend(tree.words());
+    for row in rows.step_by(6) {
+        words[row + 2] += 6;
+    }
+    (words[1], words[2], words[7]) = (2, words.len() as u32, 5);
+    mend(&mut words);
+    assert_eq!(file::read(&words).unwrap_err(), LoadError::Duplicate { section: Section::Tree });
 }
 
 /// The bytes in lines such as `0x0040  00 01 ..  what it is` of the document.
@@ -231,12 +283,12 @@ fn files_of_other_kinds_are_named() {
     }
     assert_eq!(file::words_from_bytes(&bytes(&words)).as_deref(), Ok(&words[..]));
     let mut later = words;
-    later[1] = 2;
-    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: 2 });
+    later[1] = 3;
+    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: 3 });
 }
 
 #[test]
-fn d7_d10_every_length_but_the_right_one_is_refused() {
+fn d07_d10_every_length_but_the_right_one_is_refused() {
     let mut words = tiny();
     for len in 0..words.len() {
         let error = file::read(&words[..len]).unwrap_err();
@@ -270,7 +322,7 @@ fn every_flipped_bit_is_refused() {
 
 /// With the checksums made right again, words either are refused or make a scene that is safe to use.
 #[test]
-fn d3_d9_damage_under_right_checksums_is_refused_or_harmless() {
+fn d03_d09_damage_under_right_checksums_is_refused_or_harmless() {
     let mut loaded = 0;
     let (dag, all, table) = (dag_words(), materials(), table_words(true));
     for words in [parts(&dag, Some(&table), &all).to_vec().unwrap(), parts(&dag, None, &all).to_vec().unwrap()] {
@@ -331,7 +383,7 @@ fn sections_are_skipped_missed_and_not_doubled() {
 }
 
 #[test]
-fn d4_errors_say_where() {
+fn d04_errors_say_where() {
     let good = tiny();
     let section = |kind| (32..).step_by(6).find(|&row| good[row] == kind).map(|row| good[row + 2] as usize).unwrap();
     let read = |at: usize, value: u32| {

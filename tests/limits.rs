@@ -9,10 +9,9 @@ use std::cell::Cell;
 use std::path::Path;
 
 use voxdag::build::{BuildError, DagBuilder};
-use voxdag::dag::Dag;
 use voxdag::file::{self, LoadError, Parts, WriteError};
 use voxdag::grid::UpAxis;
-use voxdag::materials::{AnyMaterials, Single};
+
 use voxdag::scene::{Build, MaterialMode, Options, SceneError};
 use voxdag::table::{Entry, InsertError, TableBuf};
 use voxdag::trace::TopBuf;
@@ -213,26 +212,22 @@ fn d01_scenes_survive_refusals() {
     let mesh = voxdag::Mesh { materials: &materials, ..shape.mesh() };
     let bounds = mesh.validate().unwrap();
     let grid = Grid::fit(&bounds, 20).unwrap();
-    for mode in [MaterialMode::None, MaterialMode::Table, MaterialMode::TableNormals] {
+    for mode in [MaterialMode::None, MaterialMode::Tree, MaterialMode::Table, MaterialMode::TableNormals] {
         let options = Options { materials: mode, ..Options::default() };
         let build = || {
             let built = Build::new(&mesh, &grid, &options)?.run()?;
-            Ok((built.dag.into_words(), built.table.map(TableBuf::into_words)))
+            Ok((built.dag, built.materials))
         };
-        let (dag, table) = with_each_refused("Build", build, of_scene);
+        let (dag, materials) = with_each_refused("Build", build, of_scene);
 
         // And to a file and back.
-        let voxel_materials = match &table {
-            Some(words) => AnyMaterials::Table(voxdag::Table::new(words).unwrap()),
-            None => AnyMaterials::Single(Single(0)),
-        };
         let parts = Parts {
             grid,
             bounds,
             up: UpAxis::Y,
             metres_per_unit: 0.0,
-            dag: Dag::new(&dag).unwrap(),
-            voxel_materials,
+            dag: dag.dag(),
+            voxel_materials: materials.as_materials(),
             materials: &[Material::GREY; 3],
             names: &["a", "b", "c"],
         };

@@ -3,13 +3,12 @@
 use assert_no_alloc::{AllocDisabler, assert_no_alloc};
 use voxdag::camera::Camera;
 use voxdag::file::{self, Parts};
-use voxdag::grid::UpAxis;
-use voxdag::materials::AnyMaterials;
+use voxdag::grid::{Bounds, UpAxis};
 use voxdag::normal::{NormalKind, normal};
 use voxdag::render::{Samples, Settings, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
-use voxdag::{Grid, Material, Materials};
+use voxdag::{Grid, Material, Materials, Mesh};
 use voxdag_oracle::scenes;
 
 #[global_allocator]
@@ -22,16 +21,21 @@ fn queries_and_pictures_take_no_heap() {
     let mesh = sphere.mesh();
     let bounds = mesh.validate().unwrap();
     let grid = Grid::fit(&bounds, 100).unwrap();
-    let options = Options { materials: MaterialMode::TableNormals, ..Options::default() };
-    let built = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
-    let table = built.table.unwrap();
+    for materials in [MaterialMode::TableNormals, MaterialMode::Tree] {
+        take_no_heap(&mesh, bounds, grid, materials);
+    }
+}
+
+fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: MaterialMode) {
+    let options = Options { materials, ..Options::default() };
+    let built = Build::new(mesh, &grid, &options).unwrap().run().unwrap();
     let parts = Parts {
         grid,
         bounds,
         up: UpAxis::Y,
         metres_per_unit: 0.0,
         dag: built.dag.dag(),
-        voxel_materials: AnyMaterials::Table(table.as_table()),
+        voxel_materials: built.materials.as_materials(),
         materials: &[Material::GREY],
         names: &["grey"],
     };

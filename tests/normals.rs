@@ -17,26 +17,47 @@ type Voxel = [i32; 3];
 const PLANES: [(NormalKind, i32); 3] = [(NormalKind::Plane1, 1), (NormalKind::Plane2, 2), (NormalKind::Plane3, 3)];
 const FACES: [Face; 6] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ];
 
-/// Voxels within a cube of depth 5, coordinates relative to [16, 16, 16].
-struct Set(Vec<u32>);
+/// Where neighbourhoods are put: depth of a cube and a voxel in it. A cube of depth 3 cuts off what lies outside, but not
+/// what the widest window around the voxel sees.
+const PLACES: [(u8, i32); 5] = [(5, 16), (3, 4), (10, 1000), (16, 65_000), (21, 2_000_000)];
+
+/// Voxels relative to a place in a cube, at each of the places.
+struct Set([Vec<u32>; 5]);
 
 impl Set {
     fn new(voxels: impl IntoIterator<Item = Voxel>) -> Set {
-        Set::at([16; 3], 5, voxels)
+        let voxels: Vec<_> = voxels.into_iter().collect();
+        Set(PLACES.map(|(depth, at)| {
+            let inside = |v: &Voxel| v.iter().all(|c| (0..1 << depth).contains(&(c + at)));
+            Set::at([at; 3], depth, voxels.iter().copied().filter(inside))
+        }))
     }
 
-    fn at(center: Voxel, depth: u8, voxels: impl IntoIterator<Item = Voxel>) -> Set {
+    /// Words of the voxels relative to a voxel of a cube.
+    fn at(center: Voxel, depth: u8, voxels: impl IntoIterator<Item = Voxel>) -> Vec<u32> {
         let voxels = voxels.into_iter().map(|v| moved(v, center).map(|c| c as u32));
-        Set(VoxelSet::new(voxels).words(depth))
+        VoxelSet::new(voxels).words(depth)
     }
 
+    /// In the cube of depth 5, relative to [16, 16, 16].
     fn dag(&self) -> Dag<'_> {
-        Dag::new(&self.0).unwrap()
+        dag(&self.0[0])
     }
 
     fn normal(&self, voxel: Voxel, kind: NormalKind, dir: [f64; 3]) -> Normal {
-        at(self.dag(), moved(voxel, [16; 3]), kind, dir)
+        self.through(voxel, kind, dir, face_against(dir))
     }
+
+    /// The normal at a voxel: the same at each place.
+    fn through(&self, voxel: Voxel, kind: NormalKind, dir: [f64; 3], face: Face) -> Normal {
+        let all = [0, 1, 2, 3, 4].map(|i| through(dag(&self.0[i]), moved(voxel, [PLACES[i].1; 3]), kind, dir, face));
+        assert!(all.iter().all(|n| *n == all[0]), "{voxel:?}, {kind:?}: {all:?} at {PLACES:?}");
+        all[0]
+    }
+}
+
+fn dag(words: &[u32]) -> Dag<'_> {
+    Dag::new(words).unwrap()
 }
 
 fn moved(v: Voxel, by: Voxel) -> Voxel {
@@ -101,7 +122,7 @@ fn n01_isolated_voxel() {
     for face in FACES {
         let dir = face.normal().map(|x| -f64::from(x) + 0.25);
         for (kind, _) in PLANES {
-            let n = through(set.dag(), [16; 3], kind, dir, face);
+            let n = set.through([0; 3], kind, dir, face);
             assert_eq!((n.direction, n.confidence), (face.normal(), Confidence::Face));
         }
     }
@@ -282,7 +303,7 @@ fn n12_absolute_coordinates() {
         let set = Set::at(far, 21, voxels);
         for (kind, _) in PLANES {
             assert_eq!(
-                at(set.dag(), far, kind, dir),
+                at(dag(&set), far, kind, dir),
                 at(near.dag(), [16; 3], kind, dir),
                 "seed {SEED}, round {round}, {kind:?} at {far:?}"
             );
@@ -299,20 +320,39 @@ fn n13_grid_boundary() {
             let sheet = Set::at([0; 3], depth, boxed([0, 0, height], [last, last, height]));
             for (x, y) in [(0, 0), (last, 0), (last, last), (0, last / 2)] {
                 for (kind, _) in PLANES {
-                    let n = at(sheet.dag(), [x, y, height], kind, [0.1, 0.1, -0.3]);
+                    let n = at(dag(&sheet), [x, y, height], kind, [0.1, 0.1, -0.3]);
                     assert_eq!((n.direction, is_plane(&n)), ([0.0, 0.0, 1.0], true), "{kind:?} at {x} {y} {height}");
                 }
             }
         }
     }
+    for depth in [10, 16, 21] {
+        let last = (1 << depth) - 1;
+        for (i, kind) in (0..24).flat_map(|i| PLANES.map(|(kind, _)| (i, kind))) {
+            // The corner of a sheet in one of the six sides of the cube.
+            let (axis, [a, b, c]) = (i / 8, [1, 2, 4].map(|bit| if i & bit == 0 { 0 } else { last }));
+            let place = |u: i32, v: i32| {
+                let mut p = [c; 3];
+                p[(axis + 1) % 3] = (a - u).abs();
+                p[(axis + 2) % 3] = (b - v).abs();
+                p
+            };
+            let sheet = Set::at([0; 3], depth, (0..64).map(|k| place(k % 8, k / 8)));
+            let mut dir = [0.1; 3];
+            dir[axis] = -0.3;
+            let n = at(dag(&sheet), place(0, 0), kind, dir);
+            let up: [f32; 3] = [0, 1, 2].map(|i| if i == axis { 1.0 } else { 0.0 });
+            assert_eq!((n.direction, is_plane(&n)), (up, true), "{kind:?}, depth {depth}, corner {i}");
+        }
+    }
     // Cubes of 1 and 2 voxels a side are one brick.
     let single = Set::at([0; 3], 0, [[0; 3]]);
-    assert_eq!(at(single.dag(), [0; 3], NormalKind::Plane2, [0.0, -1.0, 0.0]).direction, [0.0, 1.0, 0.0]);
+    assert_eq!(at(dag(&single), [0; 3], NormalKind::Plane2, [0.0, -1.0, 0.0]).direction, [0.0, 1.0, 0.0]);
     let sheet = Set::at([0; 3], 1, boxed([0; 3], [1, 1, 0]));
-    assert_eq!(at(sheet.dag(), [0; 3], NormalKind::Plane3, [0.5, 0.0, 0.4]).direction, [0.0, 0.0, -1.0]);
+    assert_eq!(at(dag(&sheet), [0; 3], NormalKind::Plane3, [0.5, 0.0, 0.4]).direction, [0.0, 0.0, -1.0]);
     // Nothing aliases to the far side of the cube.
     let ends = Set::at([0; 3], 4, [[0, 0, 0], [15, 0, 0], [15, 15, 0], [0, 0, 15]]);
-    assert_eq!(at(ends.dag(), [0; 3], NormalKind::Plane3, [0.5, 0.0, 0.4]).confidence, Confidence::Face);
+    assert_eq!(at(dag(&ends), [0; 3], NormalKind::Plane3, [0.5, 0.0, 0.4]).confidence, Confidence::Face);
 }
 
 #[test]
@@ -321,18 +361,18 @@ fn n14_side() {
     for kind in [NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3] {
         // n.d = 0: the face decides, on either side.
         for (face, z) in [(Face::PosZ, 1.0), (Face::NegZ, -1.0)] {
-            assert_eq!(through(sheet.dag(), [16; 3], kind, [1.0, 0.0, 0.0], face).direction, [0.0, 0.0, z]);
+            assert_eq!(sheet.through([0; 3], kind, [1.0, 0.0, 0.0], face).direction, [0.0, 0.0, z]);
         }
         // n.face = 0 too: the face itself.
-        let n = through(sheet.dag(), [16; 3], kind, [1.0, 0.0, 0.0], Face::NegX);
+        let n = sheet.through([0; 3], kind, [1.0, 0.0, 0.0], Face::NegX);
         assert_eq!((n.direction, n.confidence), ([-1.0, 0.0, 0.0], Confidence::Face));
         // A ray that starts inside comes through the face against its largest component.
-        let n = through(sheet.dag(), [16; 3], kind, [0.0, 1.0, 0.0], Face::Inside);
+        let n = sheet.through([0; 3], kind, [0.0, 1.0, 0.0], Face::Inside);
         assert_eq!(n.direction, [0.0, -1.0, 0.0]);
         // No direction at all is no reason for NaN.
         for dir in [[0.0; 3], [f64::NAN; 3], [f64::INFINITY, 0.0, 0.0]] {
-            through(sheet.dag(), [16; 3], kind, dir, Face::Inside);
-            through(sheet.dag(), [16; 3], kind, dir, Face::PosZ);
+            sheet.through([0; 3], kind, dir, Face::Inside);
+            sheet.through([0; 3], kind, dir, Face::PosZ);
         }
     }
 }
@@ -348,8 +388,8 @@ fn turned_inside_out(
     let (mut wrong, mut all) = (0, 0);
     for (x, y) in (0..200).flat_map(|y| (0..200).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5))) {
         let dir = rays.direction(x, y);
-        if let Some(hit) = set.dag().trace(&Query::new(camera.eye, dir)) {
-            let n = normal(set.dag(), Single(0), &hit, dir, NormalKind::Plane2);
+        if let Some(hit) = dag(&set).trace(&Query::new(camera.eye, dir)) {
+            let n = normal(dag(&set), Single(0), &hit, dir, NormalKind::Plane2);
             let out = truth(add_scaled(camera.eye, dir, hit.t));
             all += u32::from(is_plane(&n));
             wrong += u32::from(is_plane(&n) && dot(n.direction.map(f64::from), out) < 0.0);
@@ -409,8 +449,8 @@ fn top_grids_change_no_normal() {
     let mut random = Rng::new(41);
     // A dense blob that reaches the borders of the cube, so that windows are cut.
     let blob: Vec<Voxel> = (0..4000).map(|_| std::array::from_fn(|_| random.below(24) as i32)).collect();
-    let set = Set::at([0; 3], 5, blob.iter().copied());
-    let dag = set.dag();
+    let words = Set::at([0; 3], 5, blob.iter().copied());
+    let dag = dag(&words);
     for bits in 0..=3 {
         let top = TopBuf::new(&dag, bits).unwrap();
         let tracer = Tracer::with_top(dag, top.as_top()).unwrap();
@@ -480,7 +520,7 @@ fn planes_agree_with_jacobi_voxel_by_voxel() {
                 .map(|i| [0, 1, 2].map(|j| window.iter().map(|v| (v[i] - mean[i]) * (v[j] - mean[j])).sum::<f64>()));
             let [(l0, n), (l1, _), _] = jacobi(covariance);
             let ratio = l0.max(0.0) / l1;
-            let found = at(set.dag(), center, kind, dir);
+            let found = at(dag(&set), center, kind, dir);
             let context = format!("seed {SEED}, round {round}, {kind:?} at {center:?}, ratio {ratio}: {found:?}");
             match found.confidence {
                 Confidence::Plane { ratio: found_ratio } => {
@@ -506,7 +546,7 @@ fn errors(depth: u8, voxels: &[Voxel], kind: NormalKind, truth: impl Fn(Voxel) -
     let (mut sum, mut largest) = (0.0, 0.0f64);
     for &v in voxels {
         let n = normalize(truth(v)).unwrap();
-        let found = at(set.dag(), v, kind, [-n[0] + 0.1, -n[1] - 0.05, -n[2] + 0.02]);
+        let found = at(dag(&set), v, kind, [-n[0] + 0.1, -n[1] - 0.05, -n[2] + 0.02]);
         let error = degrees(found.direction.map(f64::from), n);
         sum += error;
         largest = largest.max(error);
@@ -556,7 +596,7 @@ fn accuracy_on_tilted_planes() {
             let inner: Vec<_> = voxels.iter().copied().filter(|v| v.iter().all(|c| (3..=28).contains(c))).collect();
             let set = Set::at([0; 3], 5, voxels);
             for (i, (kind, _)) in PLANES.iter().enumerate() {
-                let error = |v: &Voxel| degrees(at(set.dag(), *v, *kind, n.map(|x| -x)).direction.map(f64::from), n);
+                let error = |v: &Voxel| degrees(at(dag(&set), *v, *kind, n.map(|x| -x)).direction.map(f64::from), n);
                 sums[i] += inner.iter().map(error).sum::<f64>() / inner.len() as f64;
             }
         }

@@ -111,6 +111,11 @@ fn traversal() {
 }
 
 #[test]
+fn tree() {
+    replay("tree", 2000);
+}
+
+#[test]
 fn triangulation() {
     replay("triangulation", 3000);
 }

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use voxdag::dag::BRICK_LEVEL;
 use voxdag::file::{self, Parts};
 use voxdag::grid::UpAxis;
-use voxdag::materials::AnyMaterials;
+use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::normal::{Confidence, NormalKind, normal};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::table::{Entry, TableBuf};
@@ -131,7 +131,7 @@ fn files() {
     let grid = Grid::fit(&bounds, 6).unwrap();
     let options = Options { materials: MaterialMode::TableNormals, ..Options::default() };
     let built = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
-    let table = built.table.unwrap();
+    let MaterialsBuf::Table(table) = &built.materials else { panic!("a table was asked for") };
     let words = Parts {
         grid,
         bounds,

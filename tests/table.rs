@@ -83,7 +83,7 @@ fn homed_at(slot: u64, slots: u64) -> impl Iterator<Item = u64> {
 }
 
 #[test]
-fn h3_look_ups_are_short_on_every_family() {
+fn h03_look_ups_are_short_on_every_family() {
     for (name, keys) in families() {
         let mut table = TableBuf::new(keys.len() as u64, false).unwrap();
         table.insert_all(keys.iter().map(|&k| (Morton(k), entry(k as u16)))).unwrap();
@@ -128,7 +128,7 @@ fn it_is_the_map_that_std_has() {
 }
 
 #[test]
-fn h8_words_depend_on_the_set_alone() {
+fn h08_words_depend_on_the_set_alone() {
     let mut random = Random(3);
     for (name, keys) in families() {
         for (count, slots) in [(100, 115), (2000, 2300), (2000, 4000)] {
@@ -166,7 +166,7 @@ fn fill_apart(table: &mut TableMut<'_>, entries: &[(Morton, Entry)], parts: u32)
 }
 
 #[test]
-fn h8_threads_write_the_words_that_one_writes() {
+fn h08_threads_write_the_words_that_one_writes() {
     let mut random = Random(9);
     for (count, slots) in [(0, 0), (1, 2), (7, 8), (50, 58), (300, 343), (5000, 5800), (5000, 10_000)] {
         for parts in [1, 2, 3, 8, 61] {
@@ -225,7 +225,7 @@ fn growing_does_not_depend_on_the_order() {
 }
 
 #[test]
-fn h4_a_full_table_says_so_and_stays_as_it_was() {
+fn h04_a_full_table_says_so_and_stays_as_it_was() {
     for slots in [0, 1, 2, 7, 8, 9, 64, 500, 1000] {
         let mut words = vec![0; Table::words_for(slots, false) as usize];
         let mut table = TableMut::new(&mut words, false).unwrap();
@@ -251,7 +251,7 @@ fn h4_a_full_table_says_so_and_stays_as_it_was() {
 }
 
 #[test]
-fn h6_sizes_beyond_memory_and_short_words_are_errors() {
+fn h06_sizes_beyond_memory_and_short_words_are_errors() {
     for len in 0..8 {
         let mut words = vec![0; len];
         assert_eq!(TableMut::new(&mut words, false).unwrap_err(), InsertError::Full { missing: 1 });
@@ -262,7 +262,7 @@ fn h6_sizes_beyond_memory_and_short_words_are_errors() {
 }
 
 #[test]
-fn h3_keys_made_to_collide_are_refused_after_a_bounded_search() {
+fn h03_keys_made_to_collide_are_refused_after_a_bounded_search() {
     for slot in [0, 1000, 4095] {
         let mut words = vec![0; Table::words_for(4096, false) as usize];
         let mut table = TableMut::new(&mut words, false).unwrap();
@@ -279,7 +279,7 @@ fn h3_keys_made_to_collide_are_refused_after_a_bounded_search() {
 }
 
 #[test]
-fn h2_key_0_and_the_last_are_stored_and_no_code_is_refused() {
+fn h02_key_0_and_the_last_are_stored_and_no_code_is_refused() {
     let mut table = TableBuf::new(10, false).unwrap();
     for voxel in [Morton(u64::MAX), Morton(1 << 63)] {
         assert_eq!(table.insert(voxel, entry(0)), Err(InsertError::NotACode { voxel }));

@@ -53,6 +53,7 @@ enum Command {
     Cast(cmd::cast::Args),
     Export(cmd::export::Args),
     Bench(cmd::bench::Args),
+    Selftest(cmd::selftest::Args),
     Completions(cmd::completions::Args),
 }
 
@@ -68,6 +69,7 @@ fn main() {
         Command::Cast(args) => cmd::cast::run(&args),
         Command::Export(args) => cmd::export::run(&args),
         Command::Bench(args) => cmd::bench::run(&args),
+        Command::Selftest(args) => cmd::selftest::run(&args),
         Command::Completions(args) => cmd::completions::run(&args),
     };
     if let Err(error) = result {

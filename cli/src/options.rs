@@ -33,7 +33,7 @@ pub struct BuildArgs {
     #[arg(long, value_name = "COVER", value_enum)]
     pub cover: Option<CoverArg>,
 
-    /// What is kept of the surfaces [default: table]
+    /// What is kept of the surfaces [default: tree]
     #[arg(long, value_name = "KIND", value_enum)]
     pub materials: Option<MaterialsArg>,
 
@@ -106,8 +106,10 @@ pub enum CoverArg {
 /// What is kept of the surfaces.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum MaterialsArg {
-    /// A table from voxel to material
+    /// A tree over space: the smallest and the fastest
     #[default]
+    Tree,
+    /// A table from voxel to material
     Table,
     /// A table from voxel to material and normal
     TableNormals,
@@ -210,7 +212,7 @@ pub enum NormalsArg {
 impl NormalsArg {
     /// The core's name for it, if the scene's materials can give it.
     pub fn kind(self, materials: &AnyMaterials<'_>) -> Result<NormalKind, Error> {
-        let stored = matches!(materials, AnyMaterials::Table(table) if table.has_normals());
+        let stored = materials.has_normals();
         Ok(match self {
             NormalsArg::Face => NormalKind::Face,
             NormalsArg::Stored if stored => NormalKind::Stored,

@@ -85,6 +85,9 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Pi
             AnyMaterials::Table(materials) => {
                 render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
             }
+            AnyMaterials::Tree(materials) => {
+                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
+            }
         }
     };
 
@@ -179,7 +182,7 @@ impl<'a> Shown<'a> {
 
     /// Whether voxels have normals of their own.
     pub fn has_normals(&self) -> bool {
-        matches!(self.materials, AnyMaterials::Table(table) if table.has_normals())
+        self.materials.has_normals()
     }
 }
 

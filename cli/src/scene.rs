@@ -10,11 +10,10 @@ use voxdag::build::{BuildError, DagBuf};
 use voxdag::dag::Stats;
 use voxdag::file::{self, LoadError, Parts, Scene};
 use voxdag::grid::{Bounds, Grid, GridError, UpAxis};
-use voxdag::materials::{AnyMaterials, Single};
+use voxdag::materials::{AnyMaterials, MaterialsBuf, Single};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
-use voxdag::scene::{Build, MaterialMode, Options, PendingTable, SceneError};
-use voxdag::table::TableBuf;
+use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
 use voxdag::trace::TopBuf;
 use voxdag::voxelize::{Cover, VoxelizeError};
 use voxdag::{Dag, Material, Mesh};
@@ -110,7 +109,7 @@ pub struct Built {
     bounds: Bounds,
     up: UpAxis,
     dag: DagBuf,
-    table: Option<TableBuf>,
+    voxel_materials: MaterialsBuf,
     materials: Vec<Material>,
     names: Vec<String>,
     pub triangles: usize,
@@ -134,7 +133,7 @@ pub struct Cost {
 pub struct Bytes {
     pub nodes: u64,
     pub bricks: u64,
-    /// The table from voxel to material.
+    /// What says which material a voxel has.
     pub materials: u64,
     /// Header, parameters and names of the materials.
     pub other: u64,
@@ -147,10 +146,7 @@ impl Bytes {
     pub fn of(dag: Dag<'_>, materials: AnyMaterials<'_>, file: u64) -> Bytes {
         let bricks = 8 * u64::from(dag.brick_count());
         let nodes = 4 * dag.words().len() as u64 - bricks;
-        let materials = match materials {
-            AnyMaterials::Single(_) => 0,
-            AnyMaterials::Table(table) => 4 * table.words().len() as u64,
-        };
+        let materials = 4 * materials.words().len() as u64;
         Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
     }
 
@@ -177,6 +173,7 @@ pub fn options(args: &BuildArgs, memory_limit: Option<u64>) -> Options {
             CoverArg::Inflated => Cover::Inflated,
         },
         materials: match args.materials.unwrap_or_default() {
+            MaterialsArg::Tree => MaterialMode::Tree,
             MaterialsArg::Table => MaterialMode::Table,
             MaterialsArg::TableNormals => MaterialMode::TableNormals,
             MaterialsArg::None => MaterialMode::None,
@@ -239,18 +236,17 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
 
     // Look up who owns each voxel.
     let progress = Progress::stage("materials", 0);
-    let (table, materials_time) = stats::timed(|| fill_table(&pending, dag.dag()));
+    let (voxel_materials, materials_time) = stats::timed(|| voxel_materials(&pending, dag.dag()));
     drop(progress);
-    let table = table.map_err(refused)?;
-    let (materials, names) = match table {
-        Some(_) => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
-        None => (vec![Material::GREY], vec!["grey".to_owned()]),
+    let voxel_materials = voxel_materials.map_err(refused)?;
+    let (materials, names) = match voxel_materials {
+        MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
+        _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
     };
 
     drop(pending);
     let stats = count(dag.dag())?;
-    let table_words = table.as_ref().map_or(0, |table| table.as_table().words().len());
-    memory.hold(4 * (dag.words().len() + table_words) as u64);
+    memory.hold(4 * (dag.words().len() + voxel_materials.as_materials().words().len()) as u64);
     Ok(Built {
         grid,
         bounds,
@@ -260,7 +256,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
         },
         stats,
         dag,
-        table,
+        voxel_materials,
         materials,
         names,
         triangles: mesh.triangles.len(),
@@ -268,9 +264,12 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     })
 }
 
-/// The material map, filled by all threads: each takes the entries of its part.
-fn fill_table(pending: &PendingTable<'_, '_>, dag: Dag<'_>) -> std::result::Result<Option<TableBuf>, SceneError> {
-    let Some(mut table) = pending.empty_table(&dag)? else { return Ok(None) };
+/// What says which material a voxel has. A table is filled by all threads: each takes the entries of its part.
+fn voxel_materials(pending: &PendingMaterials<'_, '_>, dag: Dag<'_>) -> std::result::Result<MaterialsBuf, SceneError> {
+    if let Some(tree) = pending.tree(&dag)? {
+        return Ok(MaterialsBuf::Tree(tree));
+    }
+    let Some(mut table) = pending.empty_table(&dag)? else { return Ok(MaterialsBuf::Single(Single(0))) };
     table.fill(|table| {
         let parts: Vec<_> = table.split(rayon::current_num_threads() as u32).collect();
         let filled: std::result::Result<Vec<_>, _> = parts
@@ -279,15 +278,12 @@ fn fill_table(pending: &PendingTable<'_, '_>, dag: Dag<'_>) -> std::result::Resu
             .collect();
         table.join(filled?)
     })?;
-    Ok(Some(table))
+    Ok(MaterialsBuf::Table(table))
 }
 
 impl Built {
     fn voxel_materials(&self) -> AnyMaterials<'_> {
-        match &self.table {
-            Some(table) => AnyMaterials::Table(table.as_table()),
-            None => AnyMaterials::Single(Single(0)),
-        }
+        self.voxel_materials.as_materials()
     }
 
     /// The scene as it is drawn.

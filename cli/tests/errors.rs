@@ -152,7 +152,7 @@ fn a_run_within_the_limit_stays_within_it() {
 #[test]
 fn the_amount_that_the_hint_names_will_do() {
     let s = Sandbox::new();
-    for (command, coarser) in [("build box.obj -o out.vxd -r 300", true), ("demo", false)] {
+    for (command, coarser) in [("build box.obj -o out.vxd -r 300 --materials table", true), ("demo", false)] {
         let mut limit = "4M".to_owned();
         let mut tries = 0;
         loop {

@@ -10,7 +10,8 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use voxdag::build::DagBuf;
 use voxdag::camera::Camera;
-use voxdag::scene::{Build, MaterialMode, Options};
+use voxdag::materials::{AnyMaterials, Materials, MaterialsBuf};
+use voxdag::scene::{Build, Built, MaterialMode, Options};
 use voxdag::trace::{Arithmetic, Hit, Query, TopBuf, Tracer};
 use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
 use voxdag::{Grid, Mesh, Morton};
@@ -32,6 +33,7 @@ struct Scene {
     grid: Grid,
     dag: DagBuf,
     table: voxdag::table::TableBuf,
+    tree: MaterialsBuf,
     top: TopBuf,
     rays: Vec<Query>,
     hits: Vec<(Hit, [f64; 3])>,
@@ -75,8 +77,15 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     let mesh = Mesh { positions: &positions, triangles: &triangles, materials: &materials, ..Mesh::default() };
     let bounds = mesh.validate().unwrap();
     let grid = Grid::fit(&bounds, 256).unwrap();
-    let built = Build::new(&mesh, &grid, &Options::default()).unwrap().run().unwrap();
-    let (dag, table) = (built.dag, built.table.unwrap());
+    let built = |materials| {
+        let options = Options { materials, ..Options::default() };
+        Build::new(&mesh, &grid, &options).unwrap().run().unwrap()
+    };
+    let (dag, table) = match built(MaterialMode::Table) {
+        Built { dag, materials: MaterialsBuf::Table(table) } => (dag, table),
+        _ => panic!("a table was asked for"),
+    };
+    let tree = built(MaterialMode::Tree).materials;
     let top = TopBuf::new(&dag.dag(), 6).unwrap();
 
     let camera = Camera::framing(&bounds, voxdag::grid::UpAxis::Y);
@@ -95,13 +104,12 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
     scattered.sort_by_key(|v| v.0.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     scattered.truncate(RAYS as usize);
     let bricks = dag.dag().bricks().collect();
-    Scene { grid, dag, table, top, rays, hits, shadow, scattered, bricks, positions, triangles, materials }
+    Scene { grid, dag, table, tree, top, rays, hits, shadow, scattered, bricks, positions, triangles, materials }
 });
 
 /// The work itself; each function gives a checksum.
 mod kernel {
     use super::*;
-    use voxdag::Materials;
     use voxdag::materials::Single;
     use voxdag::normal::{NormalKind, normal};
 
@@ -123,8 +131,8 @@ mod kernel {
     }
 
     #[inline(never)]
-    pub fn look_up(table: voxdag::Table<'_>, dag: voxdag::Dag<'_>, voxels: &[Morton]) -> u64 {
-        voxels.iter().map(|v| u64::from(table.id(dag, *v))).sum()
+    pub fn look_up<M: Materials>(materials: M, dag: voxdag::Dag<'_>, voxels: &[Morton]) -> u64 {
+        voxels.iter().map(|v| u64::from(materials.id(dag, *v))).sum()
     }
 
     #[inline(never)]
@@ -189,6 +197,13 @@ fn look_up(bencher: Bencher<'_, '_>) {
     bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(table, dag, voxels));
 }
 
+#[divan::bench]
+fn look_up_tree(bencher: Bencher<'_, '_>) {
+    let (dag, voxels) = (SCENE.dag.dag(), &SCENE.scattered);
+    let AnyMaterials::Tree(tree) = SCENE.tree.as_materials() else { panic!("a tree was asked for") };
+    bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(tree, dag, voxels));
+}
+
 /// Voxels of the scene.
 fn voxels() -> ItemsCount {
     ItemsCount::new(SCENE.dag.dag().voxels().count())
@@ -206,7 +221,7 @@ fn reduce(bencher: Bencher<'_, '_>) {
     bencher.counter(voxels()).bench(|| kernel::reduce(depth, &SCENE.bricks));
 }
 
-#[divan::bench(args = [MaterialMode::None, MaterialMode::Table])]
+#[divan::bench(args = [MaterialMode::None, MaterialMode::Tree, MaterialMode::Table])]
 fn build(bencher: Bencher<'_, '_>, materials: MaterialMode) {
     let (mesh, grid) = (SCENE.mesh(), SCENE.grid);
     bencher.counter(voxels()).bench(|| kernel::build(&mesh, &grid, materials));

@@ -56,6 +56,8 @@ pub mod build;
 
 pub mod table;
 
+pub mod tree;
+
 pub mod materials;
 
 #[cfg(feature = "alloc")]
@@ -85,6 +87,7 @@ pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
 pub use table::{Table, TableMut};
+pub use tree::Tree;
 
 /// The README's examples are tests.
 #[cfg(all(doctest, feature = "alloc"))]

@@ -5,6 +5,7 @@ use crate::dag::Dag;
 use crate::material::MaterialId;
 use crate::morton::Morton;
 use crate::table::Table;
+use crate::tree::Tree;
 
 /// Look-ups by voxel. They are total: a voxel that the representation does not know has material 0 and no normal.
 pub trait Materials: Copy + Sync {
@@ -50,14 +51,55 @@ pub enum AnyMaterials<'a> {
     Single(Single),
     /// A material per voxel, with or without a normal.
     Table(Table<'a>),
+    /// A material per cube of space.
+    Tree(Tree<'a>),
 }
 
-impl AnyMaterials<'_> {
+/// A representation that owns its words.
+#[cfg(feature = "alloc")]
+#[derive(PartialEq, Debug)]
+pub enum MaterialsBuf {
+    /// One material for all voxels.
+    Single(Single),
+    /// See [`Table`].
+    Table(crate::table::TableBuf),
+    /// See [`Tree`].
+    Tree(crate::tree::TreeBuf),
+}
+
+#[cfg(feature = "alloc")]
+impl MaterialsBuf {
+    /// The view that answers look-ups.
+    pub fn as_materials(&self) -> AnyMaterials<'_> {
+        match self {
+            MaterialsBuf::Single(single) => AnyMaterials::Single(*single),
+            MaterialsBuf::Table(table) => AnyMaterials::Table(table.as_table()),
+            MaterialsBuf::Tree(tree) => AnyMaterials::Tree(tree.tree()),
+        }
+    }
+}
+
+impl<'a> AnyMaterials<'a> {
+    /// The words as they stand in a file; none for a single material.
+    pub fn words(&self) -> &'a [u32] {
+        match self {
+            AnyMaterials::Single(_) => &[],
+            AnyMaterials::Table(table) => table.words(),
+            AnyMaterials::Tree(tree) => tree.words(),
+        }
+    }
+
+    /// Whether voxels have normals of their own.
+    pub fn has_normals(&self) -> bool {
+        matches!(self, AnyMaterials::Table(table) if table.has_normals())
+    }
+
     /// No voxel's material id is above this one.
     pub fn max_material(&self) -> MaterialId {
         match self {
             AnyMaterials::Single(single) => single.0,
             AnyMaterials::Table(table) => table.max_material(),
+            AnyMaterials::Tree(tree) => tree.max_material(),
         }
     }
 }
@@ -67,6 +109,7 @@ impl Materials for AnyMaterials<'_> {
         match self {
             AnyMaterials::Single(single) => single.id(dag, voxel),
             AnyMaterials::Table(table) => table.id(dag, voxel),
+            AnyMaterials::Tree(tree) => tree.id(dag, voxel),
         }
     }
 
@@ -74,6 +117,7 @@ impl Materials for AnyMaterials<'_> {
         match self {
             AnyMaterials::Single(single) => single.normal(dag, voxel),
             AnyMaterials::Table(table) => table.normal(dag, voxel),
+            AnyMaterials::Tree(tree) => tree.normal(dag, voxel),
         }
     }
 }

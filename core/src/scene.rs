@@ -21,9 +21,11 @@ use crate::build::{BuildError, DagBuf, DagBuilder};
 use crate::dag::Dag;
 use crate::grid::Grid;
 use crate::material::MaterialId;
+use crate::materials::{MaterialsBuf, Single};
 use crate::mesh::Mesh;
 use crate::morton::Morton;
 use crate::table::{Entry, InsertError, Table, TableBuf};
+use crate::tree::{TreeBuf, TreeBuilder};
 use crate::voxelize::{Cover, Marked, VoxelizeError, Voxelizer};
 
 /// How materials are kept beside the DAG.
@@ -31,8 +33,10 @@ use crate::voxelize::{Cover, Marked, VoxelizeError, Voxelizer};
 pub enum MaterialMode {
     /// Not at all: the scene has one material.
     None,
-    /// The thesis's hash table without normals (its part 2).
+    /// A tree over space; the smallest and the fastest.
     #[default]
+    Tree,
+    /// The thesis's hash table without normals (its part 2).
     Table,
     /// The thesis's hash table with the owner's normal (its part 1).
     TableNormals,
@@ -125,8 +129,8 @@ pub struct Part {
 pub struct Built {
     /// The geometry.
     pub dag: DagBuf,
-    /// The material map, if one was asked for.
-    pub table: Option<TableBuf>,
+    /// The material of each voxel.
+    pub materials: MaterialsBuf,
 }
 
 /// Bytes that building takes per word of the DAG: the word, its share of the hash sets, and its copy at the end.
@@ -166,7 +170,7 @@ impl<'m> Build<'m> {
         let voxels = self.voxelizer.estimate();
         let owner = match self.options.materials {
             MaterialMode::None => 0,
-            MaterialMode::Table => 3,
+            MaterialMode::Tree | MaterialMode::Table => 3,
             MaterialMode::TableNormals => 15,
         };
         let parts = (0..self.parts()).map(|part| self.part_bytes(part)).max().unwrap_or(0);
@@ -190,11 +194,11 @@ impl<'m> Build<'m> {
         }
     }
 
-    /// Bytes of the material map of so many voxels.
+    /// Bytes of the table of so many voxels; a tree grows with its borders only, and is watched as it does.
     fn table_bytes(&self, voxels: u64) -> u64 {
         let words = |normals| Table::words_for(Table::slots_for(voxels), normals).saturating_mul(4);
         match self.options.materials {
-            MaterialMode::None => 0,
+            MaterialMode::None | MaterialMode::Tree => 0,
             MaterialMode::Table => words(false),
             MaterialMode::TableNormals => words(true),
         }
@@ -218,7 +222,7 @@ impl<'m> Build<'m> {
             builder.push(brick.code, brick.mask).map_err(|e| self.reduce_error(e))?;
             match self.options.materials {
                 MaterialMode::None => Ok(()),
-                MaterialMode::Table => owners.push(&self.voxelizer, part, brick, false),
+                MaterialMode::Tree | MaterialMode::Table => owners.push(&self.voxelizer, part, brick, false),
                 MaterialMode::TableNormals => owners.push(&self.voxelizer, part, brick, true),
             }
         })?;
@@ -247,8 +251,8 @@ impl<'m> Build<'m> {
             join.add(self.part(part)?)?;
         }
         let (dag, owners) = join.finish()?;
-        let table = owners.into_table(&dag.dag())?;
-        Ok(Built { dag, table })
+        let materials = owners.into_materials(&dag.dag())?;
+        Ok(Built { dag, materials })
     }
 }
 
@@ -268,26 +272,26 @@ impl<'b, 'm> Join<'b, 'm> {
     }
 
     /// The finished DAG, and what its material map is made from.
-    pub fn finish(self) -> Result<(DagBuf, PendingTable<'b, 'm>), SceneError> {
+    pub fn finish(self) -> Result<(DagBuf, PendingMaterials<'b, 'm>), SceneError> {
         let dag = self.builder.finish().map_err(|e| self.build.reduce_error(e))?;
-        Ok((dag, PendingTable { build: self.build, owners: self.owners }))
+        Ok((dag, PendingMaterials { build: self.build, owners: self.owners }))
     }
 }
 
-/// The owners of all voxels, on their way into a material map.
-pub struct PendingTable<'b, 'm> {
+/// The owners of all voxels, on their way into a representation.
+pub struct PendingMaterials<'b, 'm> {
     build: &'b Build<'m>,
     owners: Owners,
 }
 
-impl PendingTable<'_, '_> {
-    /// An empty material map with room for the voxels of `dag`; `None` if the scene has one material only.
+impl PendingMaterials<'_, '_> {
+    /// An empty table with room for the voxels of `dag`; `None` if no table was asked for.
     ///
     /// Threads fill it together: each takes a part of [`TableMut::split`](crate::table::TableMut::split) and all
-    /// [`PendingTable::entries`].
+    /// [`PendingMaterials::entries`].
     pub fn empty_table(&self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
         let normals = match self.build.options.materials {
-            MaterialMode::None => return Ok(None),
+            MaterialMode::None | MaterialMode::Tree => return Ok(None),
             MaterialMode::Table => false,
             MaterialMode::TableNormals => true,
         };
@@ -302,13 +306,37 @@ impl PendingTable<'_, '_> {
         self.owners.entries(dag)
     }
 
-    /// The material map, filled on this thread.
-    pub fn into_table(self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
-        let mut table = self.empty_table(dag)?;
-        if let Some(table) = &mut table {
-            table.insert_all(self.entries(dag))?;
+    /// The material tree of `dag`; `None` if no tree was asked for.
+    pub fn tree(&self, dag: &Dag<'_>) -> Result<Option<TreeBuf>, SceneError> {
+        if self.build.options.materials != MaterialMode::Tree {
+            return Ok(None);
         }
-        Ok(table)
+        let held = self.owners.bytes() + 4 * dag.words().len() as u64;
+        let mut builder = TreeBuilder::new(dag.depth())?;
+        let mut mixed = &self.owners.mixed[..];
+        for (i, ((code, mask), &owner)) in dag.bricks().zip(&self.owners.bricks).enumerate() {
+            if owner == MIXED {
+                let (ids, rest) = mixed.split_at(mask.count_ones() as usize);
+                mixed = rest;
+                builder.push(code, mask, ids)?;
+            } else {
+                builder.push_uniform(code, owner as MaterialId)?;
+            }
+            // Laying it out takes as much again.
+            if i % 4096 == 0 {
+                self.build.within(held + 2 * builder.bytes())?;
+            }
+        }
+        Ok(Some(builder.finish()?))
+    }
+
+    /// What was asked for, made on this thread.
+    pub fn into_materials(self, dag: &Dag<'_>) -> Result<MaterialsBuf, SceneError> {
+        if let Some(mut table) = self.empty_table(dag)? {
+            table.insert_all(self.entries(dag))?;
+            return Ok(MaterialsBuf::Table(table));
+        }
+        Ok(self.tree(dag)?.map_or(MaterialsBuf::Single(Single(0)), MaterialsBuf::Tree))
     }
 }
 

@@ -21,3 +21,4 @@ pub mod table;
 pub mod textbook;
 
 pub mod laws;
+pub mod selftest;

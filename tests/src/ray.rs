@@ -281,16 +281,16 @@ pub fn first_interior(ray: &Ray, depth: u8, any_filled: &dyn Fn(u8, [u32; 3]) ->
     Some(line.truth(corner, 1, &span, depth))
 }
 
-/// Whether the ray comes to the closed voxel at all (`t_max` included).
-pub fn touches(ray: &Ray, voxel: [u32; 3]) -> bool {
-    let Some(line) = Line::new(ray) else { return false };
+/// When the ray first comes to the closed voxel (`t_max` included); `None` if never.
+pub fn arrival(ray: &Ray, voxel: [u32; 3]) -> Option<Time> {
+    let line = Line::new(ray)?;
     let mut start = line.range.start.time.clone();
     let mut end = line.range.end.time.clone();
     for axis in 0..3 {
         let (lo, hi) = (i64::from(voxel[axis]), i64::from(voxel[axis]) + 1);
         if line.dir[axis].sign() == 0 {
             if line.origin[axis] < Rational::from(lo) || line.origin[axis] > Rational::from(hi) {
-                return false;
+                return None;
             }
             continue;
         }
@@ -298,7 +298,12 @@ pub fn touches(ray: &Ray, voxel: [u32; 3]) -> bool {
         start = start.max(Time::At(line.crossing(axis, near)));
         end = end.min(Time::At(line.crossing(axis, far)));
     }
-    start <= end
+    (start <= end).then_some(start)
+}
+
+/// Whether the ray comes to the closed voxel at all (`t_max` included).
+pub fn touches(ray: &Ray, voxel: [u32; 3]) -> bool {
+    arrival(ray, voxel).is_some()
 }
 
 /// All voxels that the ray meets in the cube of side 2^`depth`, in order, at most `limit`: by stepping from plane to

@@ -118,6 +118,67 @@ pub fn sphere(centre: [f64; 3], radius: f64, times: u32) -> Shape {
     Shape { positions, triangles }.map(|p| core::array::from_fn(|i| centre[i] + radius * p[i]))
 }
 
+/// A sphere of circles of latitude and longitude, as in Embree's watertightness test: `4 n (n - 1)` triangles. Each vertex
+/// is pushed out to `radius` times what `bump` says of its place in the list.
+pub fn globe(centre: [f64; 3], radius: f64, n: u32, mut bump: impl FnMut(usize) -> f64) -> Shape {
+    let around = 2 * n;
+    let mut shape = Shape::default();
+    let mut add = |p: [f64; 3]| {
+        let r = radius * bump(shape.positions.len());
+        shape.positions.push(core::array::from_fn(|i| centre[i] + r * p[i]));
+    };
+    add([0.0, 0.0, -1.0]);
+    add([0.0, 0.0, 1.0]);
+    for i in 1..n {
+        let (out, up) = libm::sincos(core::f64::consts::PI * f64::from(i) / f64::from(n));
+        for j in 0..around {
+            let (sin, cos) = libm::sincos(core::f64::consts::TAU * f64::from(j) / f64::from(around));
+            add([out * cos, out * sin, -up]);
+        }
+    }
+    let at = |i: u32, j: u32| 2 + (i - 1) * around + j % around;
+    for j in 0..around {
+        shape.triangles.push([0, at(1, j + 1), at(1, j)]);
+        shape.triangles.push([1, at(n - 1, j), at(n - 1, j + 1)]);
+        for i in 1..n - 1 {
+            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            shape.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    shape
+}
+
+/// The surface of an axis-parallel box, each side divided into `n` by `n` squares: `12 n^2` triangles.
+pub fn divided_box(lo: [f64; 3], hi: [f64; 3], n: u32) -> Shape {
+    let mut shape = Shape::default();
+    let mut known = BTreeMap::new();
+    let mut vertex = |k: [u32; 3]| {
+        *known.entry(k).or_insert_with(|| {
+            shape.positions.push(core::array::from_fn(|i| match k[i] {
+                0 => lo[i],
+                k if k == n => hi[i],
+                k => lo[i] + (hi[i] - lo[i]) * f64::from(k) / f64::from(n),
+            }));
+            shape.positions.len() as u32 - 1
+        })
+    };
+    for axis in 0..3 {
+        for side in [0, n] {
+            for i in 0..n * n {
+                let mut corner = |u: u32, v: u32| {
+                    let mut k = [side; 3];
+                    k[(axis + 1) % 3] = i % n + u;
+                    k[(axis + 2) % 3] = i / n + v;
+                    vertex(k)
+                };
+                let [a, b, c, d] = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+                shape.triangles.extend(if side == 0 { [[a, c, b], [a, d, c]] } else { [[a, b, c], [a, c, d]] });
+            }
+        }
+    }
+    shape
+}
+
 /// A torus around the z axis: `around` times `across` quads, two triangles each.
 pub fn torus(centre: [f64; 3], major: f64, minor: f64, around: u32, across: u32) -> Shape {
     let turn = |k: u32, n: u32| libm::sincos(core::f64::consts::TAU * f64::from(k) / f64::from(n));

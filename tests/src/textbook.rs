@@ -19,7 +19,8 @@ fn dot<F: Float>(a: V<F>, b: V<F>) -> F {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Triangle against closed box by 13 separating axes (Akenine-Moeller 2001), relative to the box's centre.
+/// Triangle against closed box by 13 separating axes (Akenine-Moeller 2001), relative to the box's centre; the plane is
+/// held against one corner, as published, since all three have the same distance from it, but for rounding.
 pub fn akenine_moller<F: Float>(triangle: [V<F>; 3], centre: V<F>, half: V<F>) -> bool {
     let v = triangle.map(|p| sub(p, centre));
     let edges = [sub(v[1], v[0]), sub(v[2], v[1]), sub(v[0], v[2])];
@@ -31,7 +32,9 @@ pub fn akenine_moller<F: Float>(triangle: [V<F>; 3], centre: V<F>, half: V<F>) -
     let (zero, one) = (F::zero(), F::one());
     let axes = [[one, zero, zero], [zero, one, zero], [zero, zero, one]];
     let nine = edges.iter().flat_map(|&e| axes.map(|a| cross(a, e)));
-    !axes.into_iter().chain(nine).chain([cross(edges[0], edges[1])]).any(separates)
+    let n = cross(edges[0], edges[1]);
+    let apart = dot(n, v[0]).abs() > half[0] * n[0].abs() + half[1] * n[1].abs() + half[2] * n[2].abs();
+    !apart && !axes.into_iter().chain(nine).any(separates)
 }
 
 /// Triangle against the closed box `corner .. corner + size` by plane and three projections (Schwarz and Seidel 2010),
@@ -130,4 +133,105 @@ pub fn dda_f32_hit(
         next[axis] += delta[axis];
     }
     None
+}
+
+/// The first filled voxel of the cube of side 2^`depth` in f32, by the sparse voxel octree traversal of graphics cards
+/// (Laine and Karras 2010, appendix A, without contours): the cube is `[1, 2)`, planes are `t = k coef - bias`, and
+/// components of the direction below 2^-23 are replaced by it. `any(h, corner)` says whether a cube of side 2^h holds a
+/// filled voxel.
+pub fn esvo_f32(
+    origin: V<f32>,
+    dir: V<f32>,
+    t_max: f32,
+    depth: u8,
+    any: impl Fn(u8, [u32; 3]) -> bool,
+) -> Option<[u32; 3]> {
+    const EPSILON: f32 = 1.0 / (1u32 << 23) as f32;
+    let size = (1u32 << depth) as f32;
+    let longest = dir[0].abs().max(dir[1].abs()).max(dir[2].abs());
+    if !(longest > 0.0 && longest.is_finite()) {
+        return None;
+    }
+    // Unit length along the longest axis, so that EPSILON means what it meant to its authors.
+    let d: V<f32> = dir.map(|x| {
+        let x = x / longest;
+        if x.abs() < EPSILON { EPSILON.copysign(x) } else { x }
+    });
+    let p = origin.map(|x| x / size + 1.0);
+    let up: [bool; 3] = core::array::from_fn(|i| d[i] > 0.0);
+    let coef: V<f32> = d.map(|x| -1.0 / x.abs());
+    // Mirrored so that every ray heads downwards.
+    let bias: V<f32> = core::array::from_fn(|i| if up[i] { 3.0 * coef[i] - coef[i] * p[i] } else { coef[i] * p[i] });
+    let at = |i: usize, k: u32| (1.0 + k as f32 / size) * coef[i] - bias[i];
+    let full = 1u32 << depth;
+    let mut t = at(0, full).max(at(1, full)).max(at(2, full)).max(0.0);
+    let end = at(0, 0).min(at(1, 0)).min(at(2, 0)).min(t_max * longest / size);
+
+    // Cubes are asked for by their corner, so that no stack is needed.
+    let (mut level, mut corner) = (depth, [0u32; 3]);
+    loop {
+        if !(t <= end) {
+            return None;
+        }
+        let side = 1u32 << level;
+        let real: [u32; 3] = core::array::from_fn(|i| if up[i] { full - side - corner[i] } else { corner[i] });
+        if any(level, real) {
+            if level == 0 {
+                return Some(real);
+            }
+            let half = side / 2;
+            level -= 1;
+            for i in 0..3 {
+                // Below the middle plane, unless the ray crosses it later.
+                corner[i] += if at(i, corner[i] + half) > t { half } else { 0 };
+            }
+            continue;
+        }
+        // Step over all planes that are crossed first, and up to the lowest cube that holds both places.
+        let leave: V<f32> = core::array::from_fn(|i| at(i, corner[i]));
+        let first = leave[0].min(leave[1]).min(leave[2]);
+        let mut changed = 0;
+        for i in (0..3).filter(|&i| leave[i] <= first) {
+            if corner[i] == 0 {
+                return None;
+            }
+            let next = corner[i] - side;
+            changed |= corner[i] ^ next;
+            corner[i] = next;
+        }
+        t = first.max(t);
+        level = (31 - changed.leading_zeros()) as u8;
+        corner = corner.map(|k| k >> level << level);
+    }
+}
+
+/// The normal of a plane through points (Ernerfeldt 2017): the three cofactor directions, weighted by their squared
+/// determinants. `None` if the points do not span a plane.
+pub fn ernerfeldt<F: Float>(points: &[V<F>]) -> Option<V<F>> {
+    let n = F::from(points.len())?;
+    let zero = [F::zero(); 3];
+    let sum = points.iter().fold(zero, |s, p| core::array::from_fn(|i| s[i] + p[i]));
+    let mean = sum.map(|x| x / n);
+    let mut c = [zero; 3];
+    for p in points {
+        let r = sub(*p, mean);
+        for i in 0..3 {
+            for j in 0..3 {
+                c[i][j] = c[i][j] + r[i] * r[j];
+            }
+        }
+    }
+    let mut total = zero;
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        let det = c[j][j] * c[k][k] - c[j][k] * c[j][k];
+        let mut direction = zero;
+        direction[i] = det;
+        direction[j] = c[i][k] * c[j][k] - c[i][j] * c[k][k];
+        direction[k] = c[i][j] * c[j][k] - c[i][k] * c[j][j];
+        let weight = if dot(total, direction) < F::zero() { -(det * det) } else { det * det };
+        total = core::array::from_fn(|m| total[m] + direction[m] * weight);
+    }
+    let length = dot(total, total).sqrt();
+    (length > F::zero() && length.is_finite()).then(|| total.map(|x| x / length))
 }

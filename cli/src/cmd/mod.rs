@@ -8,4 +8,5 @@ pub mod demo;
 pub mod export;
 pub mod info;
 pub mod render;
+pub mod selftest;
 pub mod verify;

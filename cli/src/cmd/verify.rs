@@ -76,6 +76,10 @@ fn check(args: &Args) -> Result<()> {
         let found = format!("{} entries: one for every voxel and no more", grouped(table.len()));
         checks.push(Check { name: "table", found });
     }
+    if let AnyMaterials::Tree(tree) = scene.materials {
+        let found = format!("{}, every entry names what is there", size(4 * tree.words().len() as u64));
+        checks.push(Check { name: "tree", found });
+    }
 
     let mut lines = Lines::default();
     for check in &checks {

@@ -28,7 +28,7 @@ pub(super) fn check(words: &[u32], expected: u32, section: Option<(u32, u64)>) -
     }
     Err(match section {
         None => LoadError::HeaderCrc { expected, found },
-        Some((kind, word)) => match Section::of(kind) {
+        Some((kind, word)) => match Section::of(kind, super::VERSION) {
             Some(section) => LoadError::Crc { section, word, expected, found },
             None => LoadError::UnknownCrc { kind, word, expected, found },
         },

@@ -4,6 +4,7 @@ use super::VERSION;
 use crate::dag::DagError;
 use crate::grid::GridError;
 use crate::table::TableError;
+use crate::tree::TreeError;
 
 /// The sections that this version knows.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -16,14 +17,17 @@ pub enum Section {
     Materials,
     /// Names of the materials.
     Names,
+    /// Material per cube of space; from version 2.
+    Tree,
 }
 
 impl Section {
-    pub(super) const COUNT: usize = 4;
+    pub(super) const COUNT: usize = 5;
 
-    /// The section of a kind, as the file counts them.
-    pub(super) fn of(kind: u32) -> Option<Section> {
-        [Section::Dag, Section::Table, Section::Materials, Section::Names].into_iter().find(|s| s.kind() == kind)
+    /// The section of a kind, as a file of a version counts them.
+    pub(super) fn of(kind: u32, version: u32) -> Option<Section> {
+        let all = [Section::Dag, Section::Table, Section::Materials, Section::Names, Section::Tree];
+        all.into_iter().find(|s| s.kind() == kind && (*s != Section::Tree || version >= 2))
     }
 
     /// The number that stands for it in a file.
@@ -39,6 +43,7 @@ impl core::fmt::Display for Section {
             Section::Table => "material table",
             Section::Materials => "materials",
             Section::Names => "names",
+            Section::Tree => "material tree",
         })
     }
 }
@@ -152,6 +157,8 @@ pub enum LoadError {
     Dag(DagError),
     /// The material table is none; offsets count from its section's start.
     Table(TableError),
+    /// The material tree.
+    Tree(TreeError),
     /// The DAG's depth is not the grid's.
     Depth {
         /// Depth for the grid's resolution.
@@ -236,6 +243,7 @@ impl core::fmt::Display for LoadError {
             UpAxis { found } => write!(f, "up axis {found} is unknown: expected 1 for y or 2 for z"),
             Dag(error) => error.fmt(f),
             Table(error) => error.fmt(f),
+            Tree(error) => error.fmt(f),
             Depth { expected, found } => {
                 write!(f, "the DAG has depth {found}: expected {expected} for the grid's resolution")
             }
@@ -256,6 +264,7 @@ impl core::error::Error for LoadError {
             LoadError::Grid(error) => Some(error),
             LoadError::Dag(error) => Some(error),
             LoadError::Table(error) => Some(error),
+            LoadError::Tree(error) => Some(error),
             _ => None,
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! word  0      magic: the bytes "VXD", 0x1a            28, 29  metres per world unit, 0 if unknown
-//!       1      version: 1                              30, 31  0
+//!       1      version: 1, or 2 with a tree            30, 31  0
 //!       2, 3   words in the file (low, high)           32..    one row of 6 words per section, in file order:
 //!       4      resolution                                      [ kind ][ CRC-32 ][ offset ][ - ][ length ][ - ]
 //!       5      up axis: 1 is y, 2 is z                 then    CRC-32 of all words before it
@@ -11,6 +11,7 @@
 //!       7      number of sections                              2 table       words of `table` (may be missing)
 //!       8..    f64: origin x y z, voxel size                   3 materials   20 words each
 //!       16..   f64: the mesh's box, min x y z, max x y z       4 names       byte offsets, one more than materials; UTF-8
+//!                                                              5 tree        words of `tree`, instead of a table
 //! ```
 //!
 //! f64, offsets and lengths are two words, low first. Sections of unknown kind are skipped once their CRC is right, so
@@ -30,12 +31,13 @@ use crate::grid::{Bounds, Grid, UpAxis};
 use crate::material::{Material, MaterialId};
 use crate::materials::{AnyMaterials, Single};
 use crate::table::Table;
+use crate::tree::Tree;
 use names::Names;
 
 /// The first word: the bytes `V`, `X`, `D` and 0x1a, which ends a text file, so that no text starts like this.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"VXD\x1a");
-/// The version that is written, and the only one there is.
-pub const VERSION: u32 = 1;
+/// The newest version. A scene without a tree is written as version 1.
+pub const VERSION: u32 = 2;
 /// Words before the section table.
 pub const HEADER: usize = 32;
 /// Words per row of the section table.
@@ -87,7 +89,7 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
     let Some(header) = words.first_chunk::<HEADER>() else {
         return Err(LoadError::Truncated { expected: HEADER as u64, found });
     };
-    if header[1] != VERSION {
+    if !(1..=VERSION).contains(&header[1]) {
         return Err(LoadError::Version { found: header[1] });
     }
     let expected = u64_at(header, 2);
@@ -115,11 +117,14 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
 
     // The sections.
     let dag = Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?;
-    let materials = match (sections[Section::Table as usize], MaterialId::try_from(header[6])) {
-        (Some(table), Ok(0)) => AnyMaterials::Table(Table::new(table).map_err(LoadError::Table)?),
-        (Some(_), _) => return Err(LoadError::Reserved { word: 6 }),
-        (None, Ok(id)) => AnyMaterials::Single(Single(id)),
-        (None, Err(_)) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
+    let (table, tree) = (sections[Section::Table as usize], sections[Section::Tree as usize]);
+    let materials = match (table, tree, MaterialId::try_from(header[6])) {
+        (Some(_), Some(_), _) => return Err(LoadError::Duplicate { section: Section::Tree }),
+        (Some(table), None, Ok(0)) => AnyMaterials::Table(Table::new(table).map_err(LoadError::Table)?),
+        (None, Some(tree), Ok(0)) => AnyMaterials::Tree(Tree::new(tree).map_err(LoadError::Tree)?),
+        (Some(_), _, _) | (_, Some(_), _) => return Err(LoadError::Reserved { word: 6 }),
+        (None, None, Ok(id)) => AnyMaterials::Single(Single(id)),
+        (None, None, Err(_)) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
     };
     let (records, rest) = required(Section::Materials)?.as_chunks::<RECORD>();
     if !rest.is_empty() {
@@ -182,7 +187,7 @@ fn find_sections(words: &[u32]) -> Result<[Option<&[u32]>; Section::COUNT], Load
         let section = &words[next..next + length as usize];
         crc::check(section, row[1], Some((row[0], offset)))?;
         next += length as usize;
-        if let Some(kind) = Section::of(row[0])
+        if let Some(kind) = Section::of(row[0], words[1])
             && sections[kind as usize].replace(section).is_some()
         {
             return Err(LoadError::Duplicate { section: kind });
@@ -212,6 +217,11 @@ fn check(
     }
     if dag.depth() != grid.depth() {
         return Err(LoadError::Depth { expected: grid.depth(), found: dag.depth() });
+    }
+    if let AnyMaterials::Tree(tree) = materials
+        && tree.depth() != dag.depth()
+    {
+        return Err(LoadError::Depth { expected: dag.depth(), found: tree.depth() });
     }
     if count == 0 || count > 1 << 16 {
         return Err(LoadError::MaterialCount { found: (count * RECORD) as u64 });

@@ -2,7 +2,7 @@
 //! any size goes to disk without a copy. What is written is what [`super::read`] takes.
 
 use super::error::{LoadError, Section};
-use super::{HEADER, MAGIC, RECORD, ROW, VERSION, check, check_material, crc, encode_material};
+use super::{HEADER, MAGIC, RECORD, ROW, check, check_material, crc, encode_material};
 use crate::dag::Dag;
 use crate::grid::UpAxis;
 use crate::grid::{Bounds, Grid};
@@ -81,9 +81,10 @@ impl<'a> Parts<'a> {
         (HEADER + rows + 1) as u64 + self.materials_len() + self.names_len()
     }
 
-    /// The words that follow the head, as they are: those of the DAG, then those of the table (none without one).
+    /// The words that follow the head, as they are: those of the DAG, then those of the table or the tree (none with a
+    /// single material).
     pub fn body(&self) -> [&'a [u32]; 2] {
-        [self.dag.words(), self.table().unwrap_or(&[])]
+        [self.dag.words(), self.voxel_materials.words()]
     }
 
     /// Words of the whole file: head and body.
@@ -99,16 +100,17 @@ impl<'a> Parts<'a> {
 
         // The header.
         let file_len = self.file_len();
-        let (material, sections) = match self.voxel_materials {
-            AnyMaterials::Single(single) => (u32::from(single.0), 3),
-            AnyMaterials::Table(_) => (0, 4),
+        let (version, material, sections) = match self.voxel_materials {
+            AnyMaterials::Single(single) => (1, u32::from(single.0), 3),
+            AnyMaterials::Table(_) => (1, 0, 4),
+            AnyMaterials::Tree(_) => (2, 0, 4),
         };
         let up = match self.up {
             UpAxis::Y => 1,
             UpAxis::Z => 2,
         };
         out.fill(0);
-        (out[0], out[1]) = (MAGIC, VERSION);
+        (out[0], out[1]) = (MAGIC, version);
         put_u64(out, 2, file_len);
         out[4..8].copy_from_slice(&[self.grid.resolution, up, material, sections]);
         let Bounds { min, max } = self.bounds;
@@ -127,14 +129,14 @@ impl<'a> Parts<'a> {
         self.write_names(names);
 
         // The section table, now that all words can be summed up.
-        let [dag, table] = self.body();
+        let [dag, voxel_materials] = self.body();
         let mut offset = front as u64 + 1;
         for (i, section) in self.sections().enumerate() {
             let words = match section {
                 Section::Materials => &*records,
                 Section::Names => &*names,
                 Section::Dag => dag,
-                Section::Table => table,
+                Section::Table | Section::Tree => voxel_materials,
             };
             let row = HEADER + ROW * i;
             (rows[row], rows[row + 1]) = (section.kind(), crc::of(words));
@@ -186,15 +188,12 @@ impl<'a> Parts<'a> {
 
     /// The sections in file order.
     fn sections(&self) -> impl Iterator<Item = Section> {
-        let table = self.table().map(|_| Section::Table);
-        [Section::Materials, Section::Names, Section::Dag].into_iter().chain(table)
-    }
-
-    fn table(&self) -> Option<&'a [u32]> {
-        match self.voxel_materials {
+        let voxel_materials = match self.voxel_materials {
             AnyMaterials::Single(_) => None,
-            AnyMaterials::Table(table) => Some(table.words()),
-        }
+            AnyMaterials::Table(_) => Some(Section::Table),
+            AnyMaterials::Tree(_) => Some(Section::Tree),
+        };
+        [Section::Materials, Section::Names, Section::Dag].into_iter().chain(voxel_materials)
     }
 
     fn materials_len(&self) -> u64 {

@@ -10,7 +10,7 @@ use crate::morton::Morton;
 /// A growing table. It doubles when it would be more than half full, where the mean look-up reads 1.5 slots.
 ///
 /// Its words depend on the set of entries and on the capacity asked for at first, not on the order of insertion.
-#[derive(Debug)]
+#[derive(PartialEq, Eq, Debug)]
 pub struct TableBuf {
     words: Vec<u32>,
     max_material: MaterialId,

@@ -108,4 +108,35 @@ impl Voxelizer<'_> {
             }
         }
     }
+
+    /// The voxels that one triangle marks in one brick, given the code of the brick's first voxel: what
+    /// [`Voxelizer::voxelize`] says of them, without the rest of the triangle. The way down is O(depth), however large the
+    /// triangle is; the brick is 0 if it lies outside the grid.
+    ///
+    /// # Panics
+    /// If `triangle` is no index into the mesh's triangles.
+    pub fn brick(&self, triangle: u32, brick: Morton) -> u64 {
+        let v = self.vertices(triangle as usize);
+        let code = brick.0 >> (3 * u32::from(self.level));
+        let subtree = self.subtrees.partition_point(|s| u64::from(s.0) < code);
+        let known = self.subtrees.get(subtree).is_some_and(|s| u64::from(s.0) == code);
+        if !known || self.list(subtree).binary_search(&triangle).is_err() {
+            return 0;
+        }
+        let first = self.subtree_code(subtree).decode();
+        let base = first.map(i64::from);
+        let prism = Prism::new(&v, self.cover, base, self.level, self.grid.resolution);
+        let cell: [i32; 3] = core::array::from_fn(|i| (brick.decode()[i] - first[i]) as i32 & !3);
+        let mut open = prism.active;
+        for level in (BRICK_LEVEL..self.level).rev() {
+            match prism.cube(cell.map(|c| c >> level << level), 1 << level, open) {
+                Verdict::Open(still) => open = still,
+                Verdict::Apart => return 0,
+            }
+        }
+        match self.cover {
+            Cover::Thin => Crosshair::new(&v, base).brick(cell),
+            Cover::Exact | Cover::Inflated => prism.brick(cell, open),
+        }
+    }
 }

@@ -25,7 +25,7 @@ pub fn words(name: &str) -> Option<Result<Vec<u32>, String>> {
             small(shapes::ring(), 100, UpAxis::Z, options)
         }
         "waves" => small(shapes::waves(), 128, UpAxis::Y, Options { cover: Cover::Thin, ..exact }),
-        "soup" => small(shapes::soup(), 61, UpAxis::Y, exact),
+        "soup" => small(shapes::soup(), 61, UpAxis::Y, Options { materials: MaterialMode::Table, ..exact }),
         #[cfg(feature = "hall")]
         "hall" => hall(),
         _ => return None,
@@ -73,9 +73,9 @@ fn file(
     let bounds = mesh.validate().map_err(|e| e.to_string())?;
     let grid = Grid::fit(&bounds, resolution).map_err(|e| e.to_string())?;
     let built = Build::new(mesh, &grid, &options).and_then(|build| build.run()).map_err(|e| e.to_string())?;
-    let voxel_materials = match &built.table {
-        Some(table) => AnyMaterials::Table(table.as_table()),
-        None => AnyMaterials::Single(Single(1)),
+    let voxel_materials = match built.materials.as_materials() {
+        AnyMaterials::Single(_) => AnyMaterials::Single(Single(1)),
+        kept => kept,
     };
     let parts =
         Parts { grid, bounds, up, metres_per_unit: 0.01, dag: built.dag.dag(), voxel_materials, materials, names };

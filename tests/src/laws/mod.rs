@@ -10,6 +10,7 @@ mod normals;
 mod obj;
 mod table;
 mod traversal;
+mod tree;
 mod triangulation;
 
 pub use dag_builder::dag_builder;
@@ -19,13 +20,14 @@ pub use normals::normals;
 pub use obj::obj;
 pub use table::table;
 pub use traversal::traversal;
+pub use tree::tree;
 pub use triangulation::triangulation;
 
 /// A law: returns, or panics.
 pub type Law = fn(&[u8]);
 
 /// Every law by the name of its fuzz target.
-pub const ALL: [(&str, Law); 8] = [
+pub const ALL: [(&str, Law); 9] = [
     ("dag_builder", dag_builder),
     ("file", file),
     ("mtl", mtl),
@@ -33,6 +35,7 @@ pub const ALL: [(&str, Law); 8] = [
     ("obj", obj),
     ("table", table),
     ("traversal", traversal),
+    ("tree", tree),
     ("triangulation", triangulation),
 ];
 

@@ -7,7 +7,7 @@
 use serde::Serialize;
 use voxdag::Morton;
 use voxdag::build::{BuildError, DagBuf, DagBuilder};
-use voxdag::scene::{Build, MaterialMode, Options, PendingTable, SceneError};
+use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
 use voxdag::voxelize::{VoxelizeError, Voxelizer};
 
 use super::Run;
@@ -95,8 +95,11 @@ pub fn run(run: &Run, source: &Source) -> Result<()> {
             Arm::pieces(parts, |i| part(&plain, i)),
             Arm::pieces(parts, |i| part(&build, i)),
             Arm::pieces(1, |_| {
-                let table = pending.empty_table(&dag.dag()).ok().flatten();
-                table.map_or(0, |mut table| ok(table.insert_all(pending.entries(&dag.dag())).is_ok()))
+                let dag = dag.dag();
+                if let Some(mut table) = pending.empty_table(&dag).ok().flatten() {
+                    return ok(table.insert_all(pending.entries(&dag)).is_ok());
+                }
+                ok(pending.tree(&dag).is_ok())
             }),
             Arm::pieces(1, |_| {
                 let built = Build::new(&mesh, &grid, &options).and_then(|build| build.run());
@@ -165,7 +168,7 @@ fn join(voxelizer: &Voxelizer<'_>, parts: &[DagBuf]) -> std::result::Result<DagB
 }
 
 /// The whole DAG, and what its table is filled from.
-fn joined<'b, 'm>(build: &'b Build<'m>) -> std::result::Result<(DagBuf, PendingTable<'b, 'm>), SceneError> {
+fn joined<'b, 'm>(build: &'b Build<'m>) -> std::result::Result<(DagBuf, PendingMaterials<'b, 'm>), SceneError> {
     let mut join = build.join()?;
     (0..build.parts()).try_for_each(|part| join.add(build.part(part)?))?;
     join.finish()

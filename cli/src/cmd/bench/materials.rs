@@ -41,6 +41,7 @@ struct Probes {
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     match scene.materials {
         AnyMaterials::Single(single) => with(run, scene, single, "single", None),
+        AnyMaterials::Tree(tree) => with(run, scene, tree, "tree", None),
         AnyMaterials::Table(table) => {
             let probes: u64 = scene.dag.voxels().map(|v| u64::from(table.probes(v))).sum();
             let mean = probes as f64 / scene::count(scene.dag)?.voxels.max(1) as f64;

@@ -34,6 +34,7 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     match scene.materials {
         AnyMaterials::Single(materials) => with(run, scene, materials, &found),
         AnyMaterials::Table(materials) => with(run, scene, materials, &found),
+        AnyMaterials::Tree(materials) => with(run, scene, materials, &found),
     }
 }
 
