@@ -138,7 +138,7 @@ check_fuzz() {
         # New inputs go to a folder that git does not see; the committed ones seed it.
         mkdir -p "fuzz/target/corpus/$target"
         cargo +nightly fuzz run "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" "fuzz/regressions/$target" \
-            -- -max_total_time="$seconds" -max_len=1024 -timeout=30
+            -- -max_total_time="$seconds" -max_len=1024
     done
 }
 
