@@ -15,7 +15,7 @@ use crate::octree::VoxelSet;
 ///
 /// Byte 0: the lowest three bits (modulo 6) are the kind, the next three (modulo 7) the face, the upper two where the
 /// window lies: in the middle of a cube, at its first corner, at the last one of the deepest cube, or in a cube of side 4.
-/// Then the voxel in the window of 7^3 (a u16, modulo 343), and the direction (see [`Bytes::float`]). The rest fills the
+/// Then the voxel in the window of 7^3 (a u16, modulo 343), and the direction (see `Bytes::float`). The rest fills the
 /// window around the voxel (3, 3, 3): a byte (modulo 4) for 0 a box set, 1 a box cleared (two u16 for corners, modulo 343),
 /// 2 a slab set (normal of three i8, i8 for the offset, a byte for the thickness), 3 one voxel flipped (u16).
 pub fn normals(data: &[u8]) {

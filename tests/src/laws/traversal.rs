@@ -15,7 +15,7 @@ use crate::ray::{self, Ray, Truth};
 /// Byte 0 is the depth (0 to 21, modulo 22), byte 1 the number of rules less one (1 to 8), byte 2 the top grid's size
 /// (0 to 3 bits). Each rule takes five bytes: which octants of a cube hold something (at least one does), and a u32 with
 /// four bits per octant for the rule that holds there. The cube obeys rule 0. Every ray that follows takes a byte of
-/// flags, origin, direction, and as flagged `t_min`, `t_max` and a start (see [`Bytes::float`] for numbers):
+/// flags, origin, direction, and as flagged `t_min`, `t_max` and a start (see `Bytes::float` for numbers):
 /// 1 `t_min` is given, else 0; 2 `t_max` is given, else infinite; 4 the direction is a point to aim at; 8 a `start` is
 /// given: u64; the upper four bits are the level that counts as filled. At most four rays are read.
 pub fn traversal(data: &[u8]) {

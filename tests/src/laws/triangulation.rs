@@ -7,7 +7,7 @@ use super::Bytes;
 /// Any polygon becomes n - 2 triangles that do not depend on its first corner; a simple one is covered once, without
 /// triangles that are flat, and each of its sides is one of a triangle.
 ///
-/// Byte 0 chooses: 255 a polygon of any floats (see [`Bytes::float`]); else its lowest three bits a view, modulo 6, of a
+/// Byte 0 chooses: 255 a polygon of any floats (see `Bytes::float`); else its lowest three bits a view, modulo 6, of a
 /// polygon on a plane whose corners are two i8 each. At most 40 corners are read.
 pub fn triangulation(data: &[u8]) {
     let mut bytes = Bytes(data);
