@@ -5,6 +5,9 @@ use super::{Arithmetic, Query, Tracer};
 use crate::morton::Morton;
 use crate::trace::ray::UNIT;
 
+/// Enough to come to the edge, but for Miri, which is some thousand times slower.
+const RAYS: u32 = if cfg!(miri) { 300 } else { 400_000 };
+
 /// Splitmix64.
 struct Random(u64);
 
@@ -40,7 +43,7 @@ fn f64_is_wrong_only_within_the_slack_and_comes_near_to_what_was_derived() {
     let mut random = Random(3);
     let (mut worst, mut fell_back) = (0.0f64, 0);
     const SIZE: i32 = 1024;
-    for _ in 0..400_000 {
+    for _ in 0..RAYS {
         let (query, a, b) = near_tie(&mut random, SIZE);
         let ray = Ray::new::<true>(&query, SIZE).unwrap();
         let (x, y) = (ray.crossing(0, a), ray.crossing(1, b));
@@ -55,8 +58,8 @@ fn f64_is_wrong_only_within_the_slack_and_comes_near_to_what_was_derived() {
     }
     // docs/numerics.md derives 10.1 units of 2^-53 of the longest time, against a slack of 16.
     assert!(worst <= 10.1, "{worst} units");
-    assert!(worst > 2.0, "the test does not reach the edge: {worst} units");
-    assert!(fell_back > 100_000, "only {fell_back} near ties");
+    assert!(cfg!(miri) || worst > 2.0, "the test does not reach the edge: {worst} units");
+    assert!(fell_back > RAYS / 4, "only {fell_back} near ties");
 }
 
 #[test]
@@ -64,7 +67,7 @@ fn places_are_wrong_only_within_the_slack_and_come_near_to_what_was_derived() {
     let mut random = Random(5);
     let mut worst = 0.0f64;
     const SIZE: i32 = 1024;
-    for _ in 0..400_000 {
+    for _ in 0..RAYS {
         let (query, a, b) = near_tie(&mut random, SIZE);
         let ray = Ray::new::<true>(&query, SIZE).unwrap();
         // Where it crosses x = a it is within rounding of y = b: above it if it has crossed that plane by then.
@@ -81,7 +84,7 @@ fn places_are_wrong_only_within_the_slack_and_come_near_to_what_was_derived() {
     }
     // docs/numerics.md derives 6.1 units of the terms, against a slack of 16.
     assert!(worst <= 6.1, "{worst} units");
-    assert!(worst > 0.3, "the test does not reach the edge: {worst} units");
+    assert!(cfg!(miri) || worst > 0.3, "the test does not reach the edge: {worst} units");
 }
 
 #[test]
