@@ -69,7 +69,7 @@ fn assert_tiny(scene: &Scene<'_>) {
     assert_eq!(scene.bounds, Bounds { min: [-1.0, 0.0, 2.5], max: [1.0, 2.0, 4.5] });
     assert_eq!((scene.up, scene.metres_per_unit), (UpAxis::Z, 0.001));
     assert_eq!(scene.dag.voxels().map(Morton::decode).collect::<Vec<_>>(), VOXELS);
-    let ids = |p| scene.materials.id(scene.dag, Morton::encode(p).unwrap());
+    let ids = |p| scene.materials.id(Morton::encode(p).unwrap());
     assert_eq!(VOXELS.map(ids), [0, 0, 1]);
     assert_eq!(ids([2, 2, 2]), 0, "a voxel that is not there has material 0");
     assert_eq!([scene.material(0), scene.material(1)], materials());
@@ -103,10 +103,10 @@ fn mend(words: &mut [u32]) {
 fn use_it(scene: &Scene<'_>) {
     assert!(scene.grid.checked().is_ok() && scene.grid.depth() == scene.dag.depth());
     for voxel in scene.dag.voxels().take(100).chain([Morton(u64::MAX)]) {
-        let id = scene.materials.id(scene.dag, voxel);
+        let id = scene.materials.id(voxel);
         assert!(usize::from(id) < scene.material_count());
         assert!(scene.material(id).checked().is_ok());
-        assert!(scene.materials.normal(scene.dag, voxel).is_none_or(|n| n.iter().all(|c| c.abs() <= 1.0)));
+        assert!(scene.materials.normal(voxel).is_none_or(|n| n.iter().all(|c| c.abs() <= 1.0)));
     }
     for id in [0, 1, 2, u16::MAX] {
         assert_eq!(scene.name(id).to_string().into_bytes(), scene.name(id).bytes().collect::<Vec<_>>());
@@ -198,7 +198,7 @@ fn what_is_written_is_read() {
         let words = parts(&dag, Some(&table), &all).to_vec().unwrap();
         let scene = file::read(&words).unwrap();
         assert_tiny(&scene);
-        let stored = scene.materials.normal(scene.dag, Morton(0));
+        let stored = scene.materials.normal(Morton(0));
         assert_eq!(stored, normals.then_some([0.0, 1.0, 0.0]));
     }
     let words = parts(&dag, None, &all).to_vec().unwrap();

@@ -63,7 +63,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
                 assert_eq!(tracer.occluded(Arithmetic::Exact, &query), tracer.trace(Arithmetic::F64, &query).is_some());
                 hits += tracer.hits(&query).count() as u64 + query.voxels(7).count() as u64;
                 if let Some(hit) = tracer.trace(Arithmetic::Exact, &query) {
-                    assert_eq!(scene.materials.id(scene.dag, hit.voxel), 0);
+                    assert_eq!(scene.materials.id(hit.voxel), 0);
                     for kind in [NormalKind::Face, NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane3] {
                         normal(scene.dag, scene.materials, &hit, query.dir, kind);
                     }

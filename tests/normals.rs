@@ -472,10 +472,10 @@ fn stored_normals_come_first_where_there_are_any() {
     #[derive(Clone, Copy)]
     struct Kept(Option<[f32; 3]>);
     impl Materials for Kept {
-        fn id(&self, _: Dag<'_>, _: Morton) -> u16 {
+        fn id(&self, _: Morton) -> u16 {
             0
         }
-        fn normal(&self, _: Dag<'_>, _: Morton) -> Option<[f32; 3]> {
+        fn normal(&self, _: Morton) -> Option<[f32; 3]> {
             self.0
         }
     }

@@ -149,7 +149,7 @@ fn files() {
     let voxels: Vec<Morton> = scene.dag.voxels().collect();
     assert_eq!(octree::count_voxels(scene.dag.words()), voxels.len().into());
     for &voxel in &voxels {
-        let normal = scene.materials.normal(scene.dag, voxel).unwrap();
+        let normal = scene.materials.normal(voxel).unwrap();
         let length: f32 = normal.iter().map(|x| x * x).sum();
         assert!((length - 1.0).abs() < 1e-6, "{normal:?}");
     }

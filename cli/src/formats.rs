@@ -97,7 +97,7 @@ impl Runs<'_> {
 pub fn xyz(scene: &Scene<'_>, out: &mut dyn Write) -> Result<()> {
     scene.dag.voxels().try_for_each(|voxel| {
         let [x, y, z] = voxel.decode();
-        writeln!(out, "{x} {y} {z} {}", scene.materials.id(scene.dag, voxel))
+        writeln!(out, "{x} {y} {z} {}", scene.materials.id(voxel))
     })
 }
 
@@ -111,7 +111,7 @@ pub fn npy(scene: &Scene<'_>, voxels: u64, out: &mut dyn Write) -> Result<()> {
     writeln!(out, "{header:0$}", length - 1)?;
     scene.dag.voxels().try_for_each(|voxel| {
         let [x, y, z] = voxel.decode();
-        let row = [x, y, z, scene.materials.id(scene.dag, voxel).into()];
+        let row = [x, y, z, scene.materials.id(voxel).into()];
         out.write_all(row.map(u32::to_le_bytes).as_flattened())
     })
 }

@@ -64,7 +64,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
             None => BLACK,
         })?,
         Show::Material => look(shown, args, &mut pixels, |_, hit, _| {
-            hit.map_or(BLACK, |hit| material_colour(shown.materials.id(dag, hit.voxel)))
+            hit.map_or(BLACK, |hit| material_colour(shown.materials.id(hit.voxel)))
         })?,
         _ => {
             values = picture::room(args.size, 12, memory)?;

@@ -40,7 +40,7 @@ fn xyz_and_npy_list_the_voxels_in_morton_order() {
             .voxels()
             .map(|v| {
                 let [x, y, z] = v.decode();
-                [x, y, z, scene.materials.id(scene.dag, v).into()]
+                [x, y, z, scene.materials.id(v).into()]
             })
             .collect();
         let report = s.ok(&format!("export {name}.vxd --to xyz -o out.xyz --json")).json();

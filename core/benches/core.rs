@@ -132,7 +132,7 @@ mod kernel {
 
     #[inline(never)]
     pub fn look_up<M: Materials>(materials: M, dag: voxdag::Dag<'_>, voxels: &[Morton]) -> u64 {
-        voxels.iter().map(|v| u64::from(materials.id(dag, *v))).sum()
+        voxels.iter().map(|v| u64::from(materials.id(*v))).sum()
     }
 
     #[inline(never)]

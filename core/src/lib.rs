@@ -52,6 +52,8 @@ pub mod voxelize;
 
 pub mod dag;
 
+pub mod geometry;
+
 pub mod build;
 
 pub mod table;
@@ -81,6 +83,7 @@ pub mod file;
 pub mod demo;
 
 pub use dag::Dag;
+pub use geometry::Geometry;
 pub use grid::Grid;
 pub use material::Material;
 pub use materials::Materials;

@@ -1,19 +1,18 @@
 //! Which material a voxel has, beside a DAG that knows geometry only. One type per representation; renderers are generic
 //! over it, and the edge matches on [`AnyMaterials`] once per call.
 
-use crate::dag::Dag;
 use crate::material::MaterialId;
 use crate::morton::Morton;
 use crate::table::Table;
 use crate::tree::Tree;
 
-/// Look-ups by voxel. They are total: a voxel that the representation does not know has material 0 and no normal.
+/// Look-ups by voxel. A representation that needs the geometry for them (ranks) holds a view of it. They are total: a voxel that the representation does not know has material 0 and no normal.
 pub trait Materials: Copy + Sync {
     /// Index into the scene's materials.
-    fn id(&self, dag: Dag<'_>, voxel: Morton) -> MaterialId;
+    fn id(&self, voxel: Morton) -> MaterialId;
 
     /// The outward unit normal stored with the voxel; `None` if there is none.
-    fn normal(&self, dag: Dag<'_>, voxel: Morton) -> Option<[f32; 3]>;
+    fn normal(&self, voxel: Morton) -> Option<[f32; 3]>;
 }
 
 /// One material for all voxels.
@@ -22,24 +21,24 @@ pub struct Single(pub MaterialId);
 
 impl Materials for Single {
     #[inline]
-    fn id(&self, _: Dag<'_>, _: Morton) -> MaterialId {
+    fn id(&self, _: Morton) -> MaterialId {
         self.0
     }
 
     #[inline]
-    fn normal(&self, _: Dag<'_>, _: Morton) -> Option<[f32; 3]> {
+    fn normal(&self, _: Morton) -> Option<[f32; 3]> {
         None
     }
 }
 
 impl Materials for Table<'_> {
     #[inline]
-    fn id(&self, _: Dag<'_>, voxel: Morton) -> MaterialId {
+    fn id(&self, voxel: Morton) -> MaterialId {
         self.get(voxel).map_or(0, |entry| entry.material)
     }
 
     #[inline]
-    fn normal(&self, _: Dag<'_>, voxel: Morton) -> Option<[f32; 3]> {
+    fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
         self.get(voxel)?.normal
     }
 }
@@ -105,19 +104,19 @@ impl<'a> AnyMaterials<'a> {
 }
 
 impl Materials for AnyMaterials<'_> {
-    fn id(&self, dag: Dag<'_>, voxel: Morton) -> MaterialId {
+    fn id(&self, voxel: Morton) -> MaterialId {
         match self {
-            AnyMaterials::Single(single) => single.id(dag, voxel),
-            AnyMaterials::Table(table) => table.id(dag, voxel),
-            AnyMaterials::Tree(tree) => tree.id(dag, voxel),
+            AnyMaterials::Single(single) => single.id(voxel),
+            AnyMaterials::Table(table) => table.id(voxel),
+            AnyMaterials::Tree(tree) => tree.id(voxel),
         }
     }
 
-    fn normal(&self, dag: Dag<'_>, voxel: Morton) -> Option<[f32; 3]> {
+    fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
         match self {
-            AnyMaterials::Single(single) => single.normal(dag, voxel),
-            AnyMaterials::Table(table) => table.normal(dag, voxel),
-            AnyMaterials::Tree(tree) => tree.normal(dag, voxel),
+            AnyMaterials::Single(single) => single.normal(voxel),
+            AnyMaterials::Table(table) => table.normal(voxel),
+            AnyMaterials::Tree(tree) => tree.normal(voxel),
         }
     }
 }

@@ -277,8 +277,7 @@ pub fn render_rows<M: Materials>(
 
 /// What the surface at a hit sends back along the ray: linear red, green, blue.
 fn surface_color<M: Materials>(view: &View<'_, M>, settings: &Settings, query: &Query, hit: &Hit) -> [f32; 3] {
-    let dag = view.tracer.dag();
-    let id = view.materials.id(dag, hit.voxel);
+    let id = view.materials.id(hit.voxel);
     let material = view.palette.get(usize::from(id)).unwrap_or(&Material::GREY);
     let normal = normal::normal(view.tracer, view.materials, hit, query.dir, settings.normals);
     let back = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]);

@@ -275,7 +275,7 @@ impl Caster<'_> {
         use std::fmt::Write as _;
         let Scene { dag, materials, .. } = *self.scene;
         let [x, y, z] = hit.voxel.decode();
-        let material = materials.id(dag, hit.voxel);
+        let material = materials.id(hit.voxel);
         let [nx, ny, nz] = normal::normal(self.tracer, materials, hit, query.dir, self.normals).direction;
         let face = match hit.face {
             Face::NegX => "-x",

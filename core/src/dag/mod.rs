@@ -22,6 +22,7 @@ pub use count::{LevelStats, Stats};
 pub(crate) use voxels::Nodes;
 pub use voxels::{Bricks, Voxels};
 
+use crate::geometry::Geometry;
 use crate::morton::{BITS, Morton};
 
 /// Words before the first brick.
@@ -257,51 +258,21 @@ impl<'a> Dag<'a> {
         Some(self.words[word + 1 + before as usize] as usize)
     }
 
-    /// The 4^3 voxels around `voxel` as a mask in Morton order (bit = low six bits of the code); 0 outside the cube.
+    /// See [`Geometry::brick`].
     #[inline]
     pub fn brick(&self, voxel: Morton) -> u64 {
-        if self.is_empty() || voxel.0 >> (3 * u32::from(self.depth.max(BRICK_LEVEL))) != 0 {
-            return 0;
-        }
-        let mut word = self.root();
-        let mut level = self.depth;
-        while level > BRICK_LEVEL {
-            level -= 1;
-            match self.child(word, u32::from(voxel.octant(level))) {
-                Some(child) => word = child,
-                None => return 0,
-            }
-        }
-        self.brick_at(word)
+        Geometry::brick(self, voxel)
     }
 
-    /// Level of the largest empty cube of the octree around `voxel`: its side is 2^level voxels. `None` if the voxel is
-    /// filled or outside the cube.
+    /// See [`Geometry::empty_level`].
     pub fn empty_level(&self, voxel: Morton) -> Option<u8> {
-        if voxel.0 >> (3 * u32::from(self.depth)) != 0 {
-            return None;
-        }
-        if self.is_empty() {
-            return Some(self.depth);
-        }
-        let mut word = self.root();
-        for level in (BRICK_LEVEL..self.depth).rev() {
-            match self.child(word, u32::from(voxel.octant(level))) {
-                Some(child) => word = child,
-                None => return Some(level),
-            }
-        }
-        let brick = self.brick_at(word);
-        if brick >> (voxel.0 & 63) & 1 != 0 {
-            return None;
-        }
-        Some(u8::from(self.depth > 0 && brick >> (voxel.0 & 56) & 0xff == 0))
+        Geometry::empty_level(self, voxel)
     }
 
     /// Whether a voxel is filled; voxels outside the cube are not.
     #[inline]
     pub fn contains(&self, voxel: Morton) -> bool {
-        self.brick(voxel) >> (voxel.0 & 63) & 1 != 0
+        Geometry::contains(self, voxel)
     }
 
     /// All filled voxels in Morton order.

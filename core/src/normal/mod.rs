@@ -80,7 +80,7 @@ pub fn normal<'a, M: Materials>(
     let tracer = &tracer.into();
     let view = View::new(hit.face, dir);
     let stored = || {
-        let n = math::normalize(materials.normal(tracer.dag(), hit.voxel)?.map(f64::from))?;
+        let n = math::normalize(materials.normal(hit.voxel)?.map(f64::from))?;
         oriented(n, view.outwards, Confidence::Stored)
     };
     let found = match kind {

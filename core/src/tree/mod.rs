@@ -31,7 +31,7 @@ mod pack;
 #[cfg(feature = "alloc")]
 pub use grow::{TreeBuf, TreeBuilder};
 
-use crate::dag::{BRICK_LEVEL, Dag, ONES};
+use crate::dag::{BRICK_LEVEL, ONES};
 use crate::material::MaterialId;
 use crate::materials::Materials;
 use crate::morton::{BITS, Morton};
@@ -294,12 +294,12 @@ impl<'a> Tree<'a> {
 
 impl Materials for Tree<'_> {
     #[inline]
-    fn id(&self, _: Dag<'_>, voxel: Morton) -> MaterialId {
+    fn id(&self, voxel: Morton) -> MaterialId {
         self.get(voxel)
     }
 
     #[inline]
-    fn normal(&self, _: Dag<'_>, _: Morton) -> Option<[f32; 3]> {
+    fn normal(&self, _: Morton) -> Option<[f32; 3]> {
         None
     }
 }

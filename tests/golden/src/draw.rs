@@ -80,7 +80,7 @@ fn add_hit(hash: &mut Hash, hit: Option<Hit>) {
 
 /// Every kind of normal, the colour by it, and whether the first light is seen.
 fn add_surface(hash: &mut Hash, scene: &Scene<'_>, stage: &Stage, query: &Query, hit: &Hit) {
-    let id = voxdag::Materials::id(&scene.materials, scene.dag, hit.voxel);
+    let id = voxdag::Materials::id(&scene.materials, hit.voxel);
     let place = math::add_scaled(query.origin, query.dir, hit.t);
     let point = scene.grid.to_world(place);
     let view = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]).map(|x| x as f32);

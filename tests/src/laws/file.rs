@@ -142,9 +142,9 @@ fn use_all(scene: &Scene<'_>) {
 
     // Materials and names.
     for &voxel in voxels.iter().take(20).chain(&[Morton(u64::MAX), Morton(0)]) {
-        let id = scene.materials.id(dag, voxel);
+        let id = scene.materials.id(voxel);
         assert!(usize::from(id) < scene.material_count());
-        let normal = scene.materials.normal(dag, voxel);
+        let normal = scene.materials.normal(voxel);
         assert!(normal.is_none_or(|n| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-5), "{normal:?}");
     }
     let count = scene.material_count();

@@ -63,7 +63,7 @@ fn with<M: Materials>(
     let mut scattered: Vec<_> = dag.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
     Rng::new(3).shuffle(&mut scattered);
 
-    let look_up = |voxels| Arm::each(voxels, move |v: &Morton| u64::from(materials.id(dag, *v)));
+    let look_up = |voxels| Arm::each(voxels, move |v: &Morton| u64::from(materials.id(*v)));
     let [near, far] = measure(run.repeat, [look_up(&hits), look_up(&scattered)])?;
     let report = Report {
         kind,

@@ -1,0 +1,110 @@
+//! What rays, normals and walks ask of a voxel geometry, whatever its layout.
+//!
+//! In: a view that was checked once. Out: nodes by number, from the root down. A node of level h stands for a cube of 2^h
+//! voxels a side; the lowest ones are bricks (level 2), 4^3 voxels as a mask. What a node's number means is the layout's
+//! own business; renderers are generic over it, and the edge matches on the layout once per call.
+//!
+//! Numbers of nodes are below 2^31. Queries are total: after the view's check no number that it gave out, asked for at its
+//! level, can panic. The answers depend on the voxels alone, so all layouts of the same voxels give the same pictures.
+
+use crate::dag::{BRICK_LEVEL, Dag};
+use crate::morton::Morton;
+
+/// A voxel geometry: an octree of depth L whose levels 0 and 1 are packed into bricks.
+pub trait Geometry: Copy + Sync {
+    /// Octree levels L: the cube is 2^L voxels a side.
+    fn depth(&self) -> u8;
+
+    /// Whether no voxel is filled.
+    fn is_empty(&self) -> bool;
+
+    /// The root: a node of level L, or the one brick where L is at most 2. Meaningless if empty.
+    fn root(&self) -> u32;
+
+    /// The child in `octant` (0 to 7) of a node of `level`, 3 or more; `None` if it is empty.
+    fn child(&self, node: u32, level: u8, octant: u32) -> Option<u32>;
+
+    /// Which children a node of `level`, 3 or more, has, one bit per octant.
+    fn mask(&self, node: u32, level: u8) -> u8;
+
+    /// The voxels of a brick in Morton order.
+    fn brick_at(&self, brick: u32) -> u64;
+
+    /// The 4^3 voxels around `voxel` as a mask in Morton order (bit = low six bits of the code); 0 outside the cube.
+    #[inline]
+    fn brick(&self, voxel: Morton) -> u64 {
+        let top = self.depth().max(BRICK_LEVEL);
+        if self.is_empty() || voxel.0 >> (3 * u32::from(top)) != 0 {
+            return 0;
+        }
+        let mut node = self.root();
+        for level in (BRICK_LEVEL..top).rev() {
+            match self.child(node, level + 1, u32::from(voxel.octant(level))) {
+                Some(child) => node = child,
+                None => return 0,
+            }
+        }
+        self.brick_at(node)
+    }
+
+    /// Whether a voxel is filled; voxels outside the cube are not.
+    #[inline]
+    fn contains(&self, voxel: Morton) -> bool {
+        self.brick(voxel) >> (voxel.0 & 63) & 1 != 0
+    }
+
+    /// Level of the largest empty cube of the octree around `voxel`: its side is 2^level voxels. `None` if the voxel is
+    /// filled or outside the cube.
+    fn empty_level(&self, voxel: Morton) -> Option<u8> {
+        if voxel.0 >> (3 * u32::from(self.depth())) != 0 {
+            return None;
+        }
+        if self.is_empty() {
+            return Some(self.depth());
+        }
+        let mut node = self.root();
+        for level in (BRICK_LEVEL..self.depth()).rev() {
+            match self.child(node, level + 1, u32::from(voxel.octant(level))) {
+                Some(child) => node = child,
+                None => return Some(level),
+            }
+        }
+        let brick = self.brick_at(node);
+        if brick >> (voxel.0 & 63) & 1 != 0 {
+            return None;
+        }
+        Some(u8::from(self.depth() > 0 && brick >> (voxel.0 & 56) & 0xff == 0))
+    }
+}
+
+impl Geometry for Dag<'_> {
+    #[inline]
+    fn depth(&self) -> u8 {
+        self.depth()
+    }
+
+    #[inline]
+    fn is_empty(&self) -> bool {
+        self.is_empty()
+    }
+
+    #[inline]
+    fn root(&self) -> u32 {
+        self.root() as u32
+    }
+
+    #[inline]
+    fn child(&self, node: u32, _: u8, octant: u32) -> Option<u32> {
+        self.child(node as usize, octant).map(|child| child as u32)
+    }
+
+    #[inline]
+    fn mask(&self, node: u32, _: u8) -> u8 {
+        self.words()[node as usize] as u8
+    }
+
+    #[inline]
+    fn brick_at(&self, brick: u32) -> u64 {
+        self.brick_at(brick as usize)
+    }
+}
