@@ -56,6 +56,8 @@ pub mod dag;
 
 pub mod build;
 
+pub mod ssvdag;
+
 pub mod table;
 
 pub mod tree;
@@ -89,6 +91,7 @@ pub use material::Material;
 pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use ssvdag::Ssvdag;
 pub use table::{Table, TableMut};
 pub use tree::Tree;
 
