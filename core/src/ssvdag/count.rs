@@ -10,7 +10,7 @@ use crate::morton::BITS;
 impl Ssvdag<'_> {
     /// Stored bricks and nodes of all levels.
     pub fn stored(&self) -> usize {
-        self.levels.iter().map(|level| level.nodes as usize).sum()
+        self.first(BITS as u8 + 1)
     }
 
     /// The place of a node of a level (2 for bricks) among all stored ones, from the bricks upwards: below [`Ssvdag::stored`],
@@ -23,7 +23,7 @@ impl Ssvdag<'_> {
     /// The place of the first node of a level.
     #[inline]
     fn first(&self, level: u8) -> usize {
-        self.levels.iter().take(usize::from(level)).map(|level| level.nodes as usize).sum()
+        (BRICK_LEVEL..level).map(|below| self.node_count(below) as usize).sum()
     }
 
     /// The children of a stored node, in no particular order.

@@ -6,17 +6,18 @@
 //! as it is, without a mirror. Its number is a count of bits, as is the place of a pointer.
 //!
 //! ```text
-//! word  0        depth L, 0 to 21                    then, from level L down to 3:
-//!       1        bricks B                                blocks    6 words for 8 nodes
-//!       2..=20   nodes of level 3, 4, .. 21              pointers  packed without gaps; 0 to a whole word
-//!       21..=39  pointers of level 3, 4, .. 21       then the bricks: [ low 32 voxels ][ high 32 voxels ]
-//! block     [ child masks, a byte a node, 2 words ][ which of these are new, 2 words ][ pointers before ][ new before ]
-//!           byte i = node i of the block, its bit c = octant c; the last two count within the level
-//! pointer   number of a node in the level below (as few bits as its count needs) | mirror << those bits (3 bits)
+//! word  0       depth L, 0 to 21; then 0, 0, 0
+//!       4..     a row for each level from 2 (the bricks) to max(L, 2), the root's:
+//!               [ nodes n ][ word of its blocks ][ word of its pointers ][ bits b of a number in the level below ]
+//!               of level 2: [ bricks ][ word of the first ][ 0 ][ 0 ]
+//!       then    from the root's level down to 3: its blocks, 6 words for 8 nodes, and its pointers, b + 3 bits each,
+//!               packed from the lowest bit on, 0 to a whole word; then the bricks: [ low 32 voxels ][ high 32 voxels ]
+//! block         [ child masks, a byte a node ][   ][ which of these are new ][   ][ pointers before ][ new before ]
+//!               byte i is node i of the block, its bit c octant c; the last two count within the level
+//! pointer       number of a node in the level below | mirror << b: bit 0 turns x round, 1 y, 2 z
 //! ```
 //!
-//! The children of a level that are not new have pointers, in order; the k-th new child is node (in level 3 brick) k of the
-//! level below. Level L has one node, the root. Mirrors are those of `mirror`: bit 0 turns x round, 1 y, 2 z.
+//! The children that are not new have pointers, in order; the k-th new one is node (brick) k of the level below.
 
 mod count;
 #[cfg(feature = "alloc")]
@@ -32,8 +33,8 @@ use crate::dag::BRICK_LEVEL;
 use crate::geometry::Geometry;
 use crate::morton::BITS;
 
-/// Words before the first block.
-pub const HEADER: usize = 40;
+/// Words of a row of the header. Row `level - 1` is that of a level, row 0 the depth.
+const ROW: usize = 4;
 /// Words of a block, and its nodes.
 const BLOCK: usize = 6;
 const NODES: u32 = 8;
@@ -41,23 +42,21 @@ const NODES: u32 = 8;
 const PLACE: u32 = 28;
 const MOST: u32 = 1 << PLACE;
 
-/// Where a level's words lie.
-#[derive(Clone, Copy, Debug, Default)]
-struct Level {
-    nodes: u32,
-    blocks: usize,
-    pointers: usize,
-    /// Bits of a pointer without its mirror.
-    bits: u32,
-}
-
 /// A checked view over an SSVDAG's words.
 #[derive(Clone, Copy, Debug)]
 pub struct Ssvdag<'a> {
     words: &'a [u32],
     depth: u8,
-    /// By level; of level 2 only how many bricks there are and where (`blocks`).
-    levels: [Level; 22],
+}
+
+/// A level's row of the header.
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+struct Row {
+    nodes: u32,
+    blocks: u32,
+    pointers: u32,
+    /// Bits of a pointer without its mirror.
+    bits: u32,
 }
 
 /// Why words are no SSVDAG. Offsets count words from 0.
@@ -119,46 +118,38 @@ impl<'a> Ssvdag<'a> {
     /// answer depends on it: that no node is a mirror image of another one.
     pub fn new(words: &'a [u32]) -> Result<Ssvdag<'a>, SsvdagError> {
         let found = words.len() as u64;
-        if words.len() < HEADER {
-            return Err(SsvdagError::Length { expected: HEADER as u64, found });
-        }
-        if words[0] > BITS {
+        let depth = words.first().copied().unwrap_or(0);
+        if depth > BITS {
             return Err(SsvdagError::Header { word: 0 });
         }
-        let depth = words[0] as u8;
-        let root = depth.max(BRICK_LEVEL);
+        let root = (depth as u8).max(BRICK_LEVEL);
+        let header = ROW * usize::from(root);
+        if words.len() < header {
+            return Err(SsvdagError::Length { expected: header as u64, found });
+        }
+        if let Some(word) = (1..ROW).find(|&word| words[word] != 0) {
+            return Err(SsvdagError::Header { word: word as u32 });
+        }
+        let dag = Ssvdag { words, depth: depth as u8 };
 
-        // Find where each level lies; one node at the root, none above, some below.
-        let mut levels = [Level::default(); 22];
-        let mut end = HEADER as u64;
-        for level in (BRICK_LEVEL..=BITS as u8).rev() {
-            let word = usize::from(level) - 1;
-            let nodes = words[word];
+        // There is one root, and something in every level below it; or nothing at all.
+        for level in BRICK_LEVEL..=root {
             let expected = match level {
-                _ if words[1] == 0 || level > root => 0..=0,
+                _ if dag.is_empty() => 0..=0,
                 _ if level == root => 1..=1,
                 _ => 1..=MOST,
             };
-            if !expected.contains(&nodes) {
-                return Err(SsvdagError::Header { word: word as u32 });
+            if !expected.contains(&dag.row(level).nodes) {
+                return Err(SsvdagError::Header { word: row_start(level) as u32 });
             }
-            let blocks = end as usize;
-            if level == BRICK_LEVEL {
-                end += 2 * u64::from(nodes);
-                levels[usize::from(level)] = Level { nodes, blocks, ..Level::default() };
-                break;
-            }
-            end += BLOCK as u64 * u64::from(nodes.div_ceil(NODES));
-            let bits = bits_of(words[word - 1]);
-            levels[usize::from(level)] = Level { nodes, blocks, pointers: end as usize, bits };
-            end += (u64::from(words[pointers_word(level)]) * u64::from(bits + 3)).div_ceil(32);
+        }
+        // The levels lie one after the other, from the root's down to the bricks.
+        let mut end = header as u64;
+        for level in (BRICK_LEVEL..=root).rev() {
+            end = dag.check(level, end)?;
         }
         if end != found {
             return Err(SsvdagError::Length { expected: end, found });
-        }
-        let dag = Ssvdag { words, depth, levels };
-        for level in 3..=BITS as u8 {
-            dag.check(level)?;
         }
 
         // Every brick holds a voxel, and none outside the cube.
@@ -167,27 +158,41 @@ impl<'a> Ssvdag<'a> {
             1 => 0xff,
             _ => u64::MAX,
         };
-        for brick in 0..dag.levels[usize::from(BRICK_LEVEL)].nodes {
+        for brick in 0..dag.node_count(BRICK_LEVEL) {
             let mask = dag.brick_at(brick);
             if mask == 0 || mask & !inside != 0 {
-                let word = dag.levels[usize::from(BRICK_LEVEL)].blocks as u32 + 2 * brick;
-                return Err(SsvdagError::Brick { word });
+                return Err(SsvdagError::Brick { word: dag.row(BRICK_LEVEL).blocks + 2 * brick });
             }
         }
         Ok(dag)
     }
 
-    /// Checks the blocks and pointers of a level: the counts are those of the bits before, and all children exist.
-    fn check(&self, level: u8) -> Result<(), SsvdagError> {
-        let Level { nodes, blocks, pointers, bits } = self.levels[usize::from(level)];
-        let below = self.levels[usize::from(level) - 1].nodes;
-        let expected = self.words[pointers_word(level)];
+    /// Checks the row, blocks and pointers of a level that begins at word `start`, and says where it ends: the counts are
+    /// those of the bits before, and all children exist.
+    fn check(&self, level: u8, start: u64) -> Result<u64, SsvdagError> {
+        let row = self.row(level);
+        let is_brick = level == BRICK_LEVEL;
+        let blocks = u64::from(row.nodes.div_ceil(NODES));
+        let below = if is_brick { 0 } else { self.node_count(level - 1) };
+        let pointers = if is_brick { 0 } else { start + BLOCK as u64 * blocks };
+        if [row.blocks, row.pointers, row.bits].map(u64::from) != [start, pointers, bits_of(below).into()] {
+            return Err(SsvdagError::Header { word: row_start(level) as u32 + 1 });
+        }
+        let enough = |end: u64| {
+            let found = self.words.len() as u64;
+            if end > found { Err(SsvdagError::Length { expected: end, found }) } else { Ok(end) }
+        };
+        if is_brick {
+            return enough(start + 2 * u64::from(row.nodes));
+        }
+        enough(pointers)?;
+
+        // Sum up the blocks.
         let (mut old_before, mut new_before) = (0u64, 0u64);
-        for i in 0..nodes.div_ceil(NODES) {
-            let word = blocks + BLOCK * i as usize;
-            let block = self.block(word);
-            let filled = (nodes - NODES * i).min(NODES);
-            let shape = block.children.to_le_bytes().iter().zip(0..).all(|(mask, k)| (*mask != 0) == (k < filled));
+        for (i, word) in (0..).zip((start..pointers).step_by(BLOCK)) {
+            let block = self.block(word as usize);
+            let here = (row.nodes - NODES * i).min(NODES);
+            let shape = block.children.to_le_bytes().iter().zip(0..).all(|(mask, k)| (*mask != 0) == (k < here));
             let counts = [block.old_before, block.new_before].map(u64::from) == [old_before, new_before];
             if !shape || !counts || block.new & !block.children != 0 {
                 return Err(SsvdagError::Block { word: word as u32 });
@@ -195,24 +200,25 @@ impl<'a> Ssvdag<'a> {
             new_before += u64::from(block.new.count_ones());
             old_before += u64::from((block.children & !block.new).count_ones());
         }
-        if old_before != u64::from(expected) {
-            return Err(SsvdagError::Header { word: pointers_word(level) as u32 });
+        if new_before != u64::from(below) {
+            return Err(SsvdagError::Header { word: row_start(level - 1) as u32 });
         }
-        if nodes > 0 && new_before != u64::from(below) {
-            return Err(SsvdagError::Header { word: u32::from(level) - 2 });
-        }
-        let width = bits + 3;
-        let word = |bit: u64| (pointers as u64 + bit / 32) as u32;
-        for i in 0..expected {
-            if self.bits_at(pointers, i, width) & ((1 << bits) - 1) >= below {
-                return Err(SsvdagError::Pointer { word: word(u64::from(i) * u64::from(width)) });
+
+        // Follow the pointers. Behind them there is a brick at least.
+        let width = row.bits + 3;
+        let bits = old_before * u64::from(width);
+        let end = enough(pointers + bits.div_ceil(32))?;
+        enough(end + 2 * u64::from(below.min(1)))?;
+        let at = |bit: u64| SsvdagError::Pointer { word: (pointers + bit / 32) as u32 };
+        for i in 0..old_before {
+            if self.pointer(&row, i as u32) % (1 << row.bits) >= below {
+                return Err(at(i * u64::from(width)));
             }
         }
-        let end = u64::from(expected) * u64::from(width);
-        if !end.is_multiple_of(32) && self.words[pointers + (end / 32) as usize] >> (end % 32) != 0 {
-            return Err(SsvdagError::Pointer { word: word(end) });
+        if !bits.is_multiple_of(32) && self.words[end as usize - 1] >> (bits % 32) != 0 {
+            return Err(at(bits));
         }
-        Ok(())
+        Ok(end)
     }
 
     /// The words themselves; `Ssvdag::new(dag.words())` is the same view.
@@ -227,7 +233,15 @@ impl<'a> Ssvdag<'a> {
 
     /// Stored nodes of a level, 3 or more; bricks for 2; otherwise 0.
     pub fn node_count(&self, level: u8) -> u32 {
-        self.levels.get(usize::from(level)).map_or(0, |level| level.nodes)
+        if (BRICK_LEVEL..=self.depth.max(BRICK_LEVEL)).contains(&level) { self.row(level).nodes } else { 0 }
+    }
+
+    /// The header's row of a level from 2 to the root's.
+    #[inline(always)]
+    fn row(&self, level: u8) -> Row {
+        let start = row_start(level);
+        let row = &self.words[start..start + ROW];
+        Row { nodes: row[0], blocks: row[1], pointers: row[2], bits: row[3] }
     }
 
     /// The block that begins at a word.
@@ -242,11 +256,12 @@ impl<'a> Ssvdag<'a> {
         }
     }
 
-    /// Number `index` of a list of numbers of `width` bits, 1 to 31, that begins at a word and is not the last of the words.
+    /// A pointer of a level, of `bits + 3` bits. There is a word behind the one that it ends in.
     #[inline(always)]
-    fn bits_at(&self, start: usize, index: u32, width: u32) -> u32 {
+    fn pointer(&self, row: &Row, index: u32) -> u32 {
+        let width = row.bits + 3;
         let bit = u64::from(index) * u64::from(width);
-        let word = start + (bit / 32) as usize;
+        let word = row.pointers as usize + (bit / 32) as usize;
         let two = wide(self.words[word], self.words[word + 1]);
         (two >> (bit % 32)) as u32 & ((1 << width) - 1)
     }
@@ -260,9 +275,9 @@ struct Block {
     new_before: u32,
 }
 
-/// The header's word for the pointers of a level.
-const fn pointers_word(level: u8) -> usize {
-    level as usize + 18
+/// Offset of the header's row of a level from 2.
+const fn row_start(level: u8) -> usize {
+    ROW * (level as usize - 1)
 }
 
 /// How many bits numbers below `count` take.
@@ -283,7 +298,7 @@ impl Geometry for Ssvdag<'_> {
 
     #[inline]
     fn is_empty(&self) -> bool {
-        self.words[1] == 0
+        self.row(BRICK_LEVEL).nodes == 0
     }
 
     #[inline]
@@ -299,8 +314,8 @@ impl Geometry for Ssvdag<'_> {
     #[inline]
     fn child(&self, node: u32, level: u8, octant: u32) -> Option<u32> {
         let (mirror, number) = (node >> PLACE, node % MOST);
-        let level = &self.levels[usize::from(level)];
-        let block = self.block(level.blocks + BLOCK * (number / NODES) as usize);
+        let row = self.row(level);
+        let block = self.block(row.blocks as usize + BLOCK * (number / NODES) as usize);
         let bit = (8 * (number % NODES)) | (octant ^ mirror) & 7;
         if block.children >> bit & 1 == 0 {
             return None;
@@ -309,9 +324,9 @@ impl Geometry for Ssvdag<'_> {
         let child = if block.new >> bit & 1 != 0 {
             block.new_before + (block.new & before).count_ones()
         } else {
-            let old = block.old_before + (block.children & !block.new & before).count_ones();
-            let pointer = self.bits_at(level.pointers, old, level.bits + 3);
-            pointer >> level.bits << PLACE | pointer & ((1 << level.bits) - 1)
+            let old = block.children & !block.new;
+            let pointer = self.pointer(&row, block.old_before + (old & before).count_ones());
+            (pointer >> row.bits << PLACE) | (pointer % (1 << row.bits))
         };
         Some(child ^ mirror << PLACE)
     }
@@ -319,14 +334,14 @@ impl Geometry for Ssvdag<'_> {
     #[inline]
     fn mask(&self, node: u32, level: u8) -> u8 {
         let (mirror, number) = (node >> PLACE, node % MOST);
-        let block = self.block(self.levels[usize::from(level)].blocks + BLOCK * (number / NODES) as usize);
+        let block = self.block(self.row(level).blocks as usize + BLOCK * (number / NODES) as usize);
         mirror::octants((block.children >> (8 * (number % NODES))) as u8, mirror)
     }
 
     #[inline]
     fn brick_at(&self, brick: u32) -> u64 {
         let (mirror, number) = (brick >> PLACE, brick % MOST);
-        let word = self.levels[usize::from(BRICK_LEVEL)].blocks + 2 * number as usize;
+        let word = self.row(BRICK_LEVEL).blocks as usize + 2 * number as usize;
         mirror::brick(wide(self.words[word], self.words[word + 1]), mirror)
     }
 }

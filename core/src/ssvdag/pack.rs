@@ -6,7 +6,7 @@
 use alloc::vec::Vec;
 
 use super::merge::Classes;
-use super::{BLOCK, HEADER, NODES, Ssvdag, bits_of, pointers_word};
+use super::{BLOCK, NODES, ROW, Ssvdag, bits_of, row_start};
 use crate::build::BuildError;
 use crate::dag::{BRICK_LEVEL, Dag};
 
@@ -34,7 +34,7 @@ impl SsvdagBuf {
         let classes = Classes::of(dag)?;
         let root = dag.depth().max(BRICK_LEVEL);
         let mut words = Vec::new();
-        extend(&mut words, &[0; HEADER])?;
+        (0..root).try_for_each(|_| extend(&mut words, &[0; ROW]))?;
         words[0] = u32::from(dag.depth());
 
         // The stored nodes of a level, by the words of the plain DAG that they were first seen at.
@@ -43,7 +43,7 @@ impl SsvdagBuf {
             extend(&mut nodes, &[dag.root() as u32])?;
         }
         for level in (3..=root).rev() {
-            words[usize::from(level) - 1] = nodes.len() as u32;
+            let (count, blocks) = (nodes.len(), words.len());
             let mut numbers = Numbers::new(&classes, level - 1)?;
             let mut pointers = Vec::new();
             for eight in nodes.chunks(NODES as usize) {
@@ -65,11 +65,14 @@ impl SsvdagBuf {
                 extend(&mut words, &block)?;
             }
             nodes = numbers.nodes;
-            words[pointers_word(level)] = pointers.len() as u32;
-            pack(&mut words, &pointers, bits_of(nodes.len() as u32))?;
+            let bits = bits_of(nodes.len() as u32);
+            let row = [count, blocks, words.len(), bits as usize];
+            set_row(&mut words, level, row);
+            pack(&mut words, &pointers, bits)?;
         }
 
-        words[usize::from(BRICK_LEVEL) - 1] = nodes.len() as u32;
+        let row = [nodes.len(), words.len(), 0, 0];
+        set_row(&mut words, BRICK_LEVEL, row);
         for word in nodes {
             let word = word as usize;
             extend(&mut words, &dag.words()[word..word + 2])?;
@@ -126,6 +129,11 @@ impl<'a> Numbers<'a> {
         let mirror = self.classes.mirrored(self.level, seen, *number & 7) & 7;
         Ok(Some(*number & !7 | mirror))
     }
+}
+
+/// Writes a level's row of the header. Its numbers fit, as the plain DAG with its words below 2^31 is larger.
+fn set_row(words: &mut [u32], level: u8, row: [usize; ROW]) {
+    words[row_start(level)..][..ROW].copy_from_slice(&row.map(|number| number as u32));
 }
 
 /// Appends pointers, `bits` for the number and three for the mirror each.
