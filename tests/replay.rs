@@ -101,6 +101,11 @@ fn obj() {
 }
 
 #[test]
+fn ssvdag() {
+    replay("ssvdag", 500);
+}
+
+#[test]
 fn table() {
     replay("table", 2000);
 }

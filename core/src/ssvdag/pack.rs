@@ -24,9 +24,9 @@ impl SsvdagBuf {
     /// use voxdag::{Geometry, Morton, build::DagBuilder, ssvdag::SsvdagBuf};
     /// let mut builder = DagBuilder::new(3)?; // 8^3 voxels
     /// builder.push(Morton::encode([0, 0, 0]).unwrap(), 1)?; // voxel (0, 0, 0) of the first brick
-    /// builder.push(Morton::encode([4, 0, 0]).unwrap(), 1 << 1)?; // voxel (5, 0, 0)
+    /// builder.push(Morton::encode([4, 0, 0]).unwrap(), 1 << 9)?; // voxel (7, 0, 0)
     /// let built = SsvdagBuf::build(&builder.finish()?.dag())?;
-    /// assert!(built.ssvdag().contains(Morton::encode([5, 0, 0]).unwrap()));
+    /// assert!(built.ssvdag().contains(Morton::encode([7, 0, 0]).unwrap()));
     /// assert_eq!(built.ssvdag().node_count(2), 1); // the second brick mirrors the first
     /// # Ok::<(), voxdag::build::BuildError>(())
     /// ```

@@ -8,6 +8,7 @@ mod file;
 mod mtl;
 mod normals;
 mod obj;
+mod ssvdag;
 mod table;
 mod traversal;
 mod tree;
@@ -18,6 +19,7 @@ pub use file::file;
 pub use mtl::mtl;
 pub use normals::normals;
 pub use obj::obj;
+pub use ssvdag::{says_the_same, ssvdag};
 pub use table::table;
 pub use traversal::traversal;
 pub use tree::tree;
@@ -27,12 +29,13 @@ pub use triangulation::triangulation;
 pub type Law = fn(&[u8]);
 
 /// Every law by the name of its fuzz target.
-pub const ALL: [(&str, Law); 9] = [
+pub const ALL: [(&str, Law); 10] = [
     ("dag_builder", dag_builder),
     ("file", file),
     ("mtl", mtl),
     ("normals", normals),
     ("obj", obj),
+    ("ssvdag", ssvdag),
     ("table", table),
     ("traversal", traversal),
     ("tree", tree),
