@@ -75,20 +75,9 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Pi
     let start = Instant::now();
     let top = scene::top_grid(scene.dag)?;
     let tracer = Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag));
-    // Chosen once, so that the rays run in code for one representation of materials.
     let band = |rows: Range<u32>, pixels: &mut [u32]| {
         let (palette, grid, lights) = (&scene.palette[..], scene.grid, &lights[..]);
-        match scene.materials {
-            AnyMaterials::Single(materials) => {
-                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
-            }
-            AnyMaterials::Table(materials) => {
-                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
-            }
-            AnyMaterials::Tree(materials) => {
-                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
-            }
-        }
+        render_rows(&View { tracer, materials: scene.materials, palette, grid, camera, lights }, &settings, rows, pixels)
     };
 
     let counters = in_bands("drawing", args.size, &mut pixels, band)?;
