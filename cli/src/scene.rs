@@ -9,6 +9,7 @@ use serde::Serialize;
 use voxdag::build::{BuildError, DagBuf};
 use voxdag::dag::Stats;
 use voxdag::file::{self, LoadError, Parts, Scene};
+use voxdag::geometry::{AnyGeometry, Geometry};
 use voxdag::grid::{Bounds, Grid, GridError, UpAxis};
 use voxdag::materials::{AnyMaterials, MaterialsBuf, Single};
 use voxdag::mesh::MeshError;
@@ -143,9 +144,9 @@ pub struct Bytes {
 
 impl Bytes {
     /// Of a file of `file` bytes.
-    pub fn of(dag: Dag<'_>, materials: AnyMaterials<'_>, file: u64) -> Bytes {
-        let bricks = 8 * u64::from(dag.brick_count());
-        let nodes = 4 * dag.words().len() as u64 - bricks;
+    pub fn of(geometry: AnyGeometry<'_>, materials: AnyMaterials<'_>, file: u64) -> Bytes {
+        let bricks = geometry.brick_bytes();
+        let nodes = 4 * geometry.words().len() as u64 - bricks;
         let materials = 4 * materials.words().len() as u64;
         Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
     }
@@ -245,7 +246,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     };
 
     drop(pending);
-    let stats = count(dag.dag())?;
+    let stats = count(dag.dag().into())?;
     memory.hold(4 * (dag.words().len() + voxel_materials.as_materials().words().len()) as u64);
     Ok(Built {
         grid,
@@ -292,7 +293,7 @@ impl Built {
             grid: self.grid,
             bounds: self.bounds,
             up: self.up,
-            dag: self.dag.dag(),
+            geometry: self.dag.dag().into(),
             materials: self.voxel_materials(),
             palette: self.materials.clone(),
         }
@@ -306,7 +307,7 @@ impl Built {
             bounds: self.bounds,
             up: self.up,
             metres_per_unit: 0.0,
-            dag: self.dag.dag(),
+            geometry: self.dag.dag().into(),
             voxel_materials: self.voxel_materials(),
             materials: &self.materials,
             names: &names,
@@ -316,7 +317,7 @@ impl Built {
     /// Bytes that the `.vxd` file has.
     pub fn bytes(&self) -> Bytes {
         let file = self.with_parts(|parts| 4 * parts.file_len());
-        Bytes::of(self.dag.dag(), self.voxel_materials(), file)
+        Bytes::of(self.dag.dag().into(), self.voxel_materials(), file)
     }
 
     /// Writes the `.vxd` file; the DAG and the table go out as they are.
@@ -344,8 +345,9 @@ pub fn open<'a>(path: &Path, words: &'a [u32]) -> Result<Scene<'a>> {
 }
 
 /// Counts voxels and nodes.
-pub fn count(dag: Dag<'_>) -> Result<Stats> {
-    dag.stats()
+pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
+    geometry
+        .stats()
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
@@ -353,8 +355,8 @@ pub fn count(dag: Dag<'_>) -> Result<Stats> {
 const TOP_BITS: u8 = 5;
 
 /// The grid that makes rays faster; it pays for itself after some thousand of them.
-pub fn top_grid(dag: Dag<'_>) -> Result<TopBuf> {
-    TopBuf::new(&dag, TOP_BITS)
+pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
+    TopBuf::new(&geometry, TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
