@@ -165,36 +165,55 @@ impl Bytes {
     }
 }
 
-/// What to build, as the flags say; at most `memory_limit` bytes at one time.
-pub fn options(args: &BuildArgs, memory_limit: Option<u64>) -> Options {
-    Options {
-        cover: match args.cover.unwrap_or_default() {
-            CoverArg::Exact => Cover::Exact,
-            CoverArg::Thin => Cover::Thin,
-            CoverArg::Inflated => Cover::Inflated,
-        },
-        materials: match args.materials.unwrap_or_default() {
-            MaterialsArg::Tree => MaterialMode::Tree,
-            MaterialsArg::Table => MaterialMode::Table,
-            MaterialsArg::TableNormals => MaterialMode::TableNormals,
-            MaterialsArg::None => MaterialMode::None,
-        },
-        memory_limit,
-        parts_at_once: rayon::current_num_threads(),
+/// How to build, as the flags say but for the materials; at most `memory_limit` bytes at one time.
+pub fn options(args: &BuildArgs, materials: MaterialMode, memory_limit: Option<u64>) -> Options {
+    let cover = match args.cover.unwrap_or_default() {
+        CoverArg::Exact => Cover::Exact,
+        CoverArg::Thin => Cover::Thin,
+        CoverArg::Inflated => Cover::Inflated,
+    };
+    Options { cover, materials, memory_limit, parts_at_once: rayon::current_num_threads() }
+}
+
+/// How materials are kept, as the flags say.
+pub fn mode(args: &BuildArgs) -> MaterialMode {
+    match args.materials.unwrap_or_default() {
+        MaterialsArg::Tree => MaterialMode::Tree,
+        MaterialsArg::Table => MaterialMode::Table,
+        MaterialsArg::TableNormals => MaterialMode::TableNormals,
+        MaterialsArg::None => MaterialMode::None,
     }
 }
 
-/// Builds the scene on the threads of the current pool, and holds it.
-pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<Built> {
+/// Voxels of a mesh before anything keeps their materials.
+pub struct Voxels<'b, 'm> {
+    pub grid: Grid,
+    pub bounds: Bounds,
+    pub dag: DagBuf,
+    /// What material maps are made from.
+    pub pending: PendingMaterials<'b, 'm>,
+    /// Triangles to bricks, and bricks to subtrees.
+    pub voxelize: Duration,
+    /// Joining the subtrees.
+    pub reduce: Duration,
+}
+
+/// Voxelises the mesh on the threads of the current pool, as the flags say but for the materials, and lets `keep` make of
+/// the voxels what is to be kept.
+pub fn voxelize<T>(
+    source: &Source,
+    args: &BuildArgs,
+    materials: MaterialMode,
+    memory: &Memory,
+    keep: impl FnOnce(Voxels<'_, '_>) -> std::result::Result<T, SceneError>,
+) -> Result<T> {
     let mesh = source.model.mesh();
     let bounds = mesh.validate().map_err(|error| refused(source, SceneError::Voxelize(VoxelizeError::Mesh(error))))?;
     let grid = grid(&bounds, args).map_err(|error| grid_error(source, error))?;
     contains(source, &grid, &bounds)?;
-    let left = memory.left();
-    let account = &*memory;
     let refused = |error| match error {
         SceneError::Limit { needed, enough, coarser, .. } => {
-            over_limit(source, account, needed, enough, coarser.then_some(&grid))
+            over_limit(source, memory, needed, enough, coarser.then_some(&grid))
         }
         SceneError::Reduce(BuildError::Words { .. }) => {
             let what = format!("{} at resolution {}", source.path.display(), grid.resolution);
@@ -208,7 +227,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     };
 
     // Sort the triangles into parts, build the parts on all threads and join them as they come.
-    let options = options(args, left);
+    let options = options(args, materials, memory.left());
     let start = Instant::now();
     let build = Build::new(&mesh, &grid, &options).map_err(refused)?;
     let mut join = build.join().map_err(refused)?;
@@ -234,35 +253,40 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     let (dag, pending) = finished.map_err(refused)?;
     reduce += time;
     let voxelize = start.elapsed().saturating_sub(reduce);
+    keep(Voxels { grid, bounds, dag, pending, voxelize, reduce }).map_err(refused)
+}
 
-    // Look up who owns each voxel.
-    let progress = Progress::stage("materials", 0);
-    let (voxel_materials, materials_time) = stats::timed(|| voxel_materials(&pending, dag.dag()));
-    drop(progress);
-    let voxel_materials = voxel_materials.map_err(refused)?;
-    let (materials, names) = match voxel_materials {
-        MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
-        _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
-    };
-
-    drop(pending);
-    let stats = count(dag.dag().into())?;
-    memory.hold(4 * (dag.words().len() + voxel_materials.as_materials().words().len()) as u64);
-    Ok(Built {
-        grid,
-        bounds,
-        up: match args.up_axis.unwrap_or_default() {
-            UpAxisArg::Y => UpAxis::Y,
-            UpAxisArg::Z => UpAxis::Z,
-        },
-        stats,
-        dag,
-        voxel_materials,
-        materials,
-        names,
-        triangles: mesh.triangles.len(),
-        cost: Cost { parse: source.parse_time, voxelize, reduce, materials: materials_time },
-    })
+/// Builds the scene on the threads of the current pool, and holds it.
+pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<Built> {
+    let mode = mode(args);
+    let built = voxelize(source, args, mode, memory, |voxels| {
+        let Voxels { grid, bounds, dag, pending, voxelize, reduce } = voxels;
+        let progress = Progress::stage("materials", 0);
+        let (voxel_materials, time) = stats::timed(|| voxel_materials(&pending, dag.dag()));
+        drop(progress);
+        let voxel_materials = voxel_materials?;
+        let (materials, names) = match voxel_materials {
+            MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
+            _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
+        };
+        Ok(Built {
+            grid,
+            bounds,
+            up: match args.up_axis.unwrap_or_default() {
+                UpAxisArg::Y => UpAxis::Y,
+                UpAxisArg::Z => UpAxis::Z,
+            },
+            stats: dag.dag().stats().map_err(|bytes| VoxelizeError::Memory { bytes: bytes as u64 })?,
+            dag,
+            voxel_materials,
+            materials,
+            names,
+            triangles: source.model.mesh().triangles.len(),
+            cost: Cost { parse: source.parse_time, voxelize, reduce, materials: time },
+        })
+    })?;
+    memory.hold(4 * (built.dag.words().len() + built.voxel_materials().words().len()) as u64);
+    Ok(built)
 }
 
 /// What says which material a voxel has. A table is filled by all threads: each takes the entries of its part.
