@@ -60,6 +60,10 @@ pub mod table;
 
 pub mod tree;
 
+pub mod rank;
+
+pub mod ranked;
+
 pub mod materials;
 
 #[cfg(feature = "alloc")]
@@ -89,6 +93,7 @@ pub use material::Material;
 pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use rank::Rank;
 pub use table::{Table, TableMut};
 pub use tree::Tree;
 
