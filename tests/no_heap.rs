@@ -65,7 +65,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
                 if let Some(hit) = tracer.trace(Arithmetic::Exact, &query) {
                     assert_eq!(scene.materials.id(hit.voxel), 0);
                     for kind in [NormalKind::Face, NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane3] {
-                        normal(scene.dag, scene.materials, &hit, query.dir, kind);
+                        normal(&Tracer::new(scene.dag), scene.materials, &hit, query.dir, kind);
                     }
                 }
             }

@@ -72,7 +72,7 @@ fn at(dag: Dag<'_>, voxel: Voxel, kind: NormalKind, dir: [f64; 3]) -> Normal {
 fn through(dag: Dag<'_>, voxel: Voxel, kind: NormalKind, dir: [f64; 3], face: Face) -> Normal {
     let voxel = Morton::encode(voxel.map(|c| c as u32)).unwrap();
     let hit = Hit { voxel, from: None, t: 0.0, level: 0, face };
-    let n = normal(dag, Single(0), &hit, dir, kind);
+    let n = normal(&Tracer::new(dag), Single(0), &hit, dir, kind);
     assert_unit(n.direction);
     n
 }
@@ -389,7 +389,7 @@ fn turned_inside_out(
     for (x, y) in (0..200).flat_map(|y| (0..200).map(move |x| (f64::from(x) + 0.5, f64::from(y) + 0.5))) {
         let dir = rays.direction(x, y);
         if let Some(hit) = dag(&set).trace(&Query::new(camera.eye, dir)) {
-            let n = normal(dag(&set), Single(0), &hit, dir, NormalKind::Plane2);
+            let n = normal(&Tracer::new(dag(&set)), Single(0), &hit, dir, NormalKind::Plane2);
             let out = truth(add_scaled(camera.eye, dir, hit.t));
             all += u32::from(is_plane(&n));
             wrong += u32::from(is_plane(&n) && dot(n.direction.map(f64::from), out) < 0.0);
@@ -460,8 +460,12 @@ fn top_grids_change_no_normal() {
             let hit = Hit { voxel, from: None, t: 0.0, level: 0, face: Face::NegY };
             let dir = unit(&mut random);
             for kind in [NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3] {
-                let by_top = normal(tracer, Single(0), &hit, dir, kind);
-                assert_eq!(by_top, normal(dag, Single(0), &hit, dir, kind), "2^{bits} cells, {voxel:?}, {kind:?}");
+                let by_top = normal(&tracer, Single(0), &hit, dir, kind);
+                assert_eq!(
+                    by_top,
+                    normal(&Tracer::new(dag), Single(0), &hit, dir, kind),
+                    "2^{bits} cells, {voxel:?}, {kind:?}"
+                );
             }
         }
     }
@@ -481,7 +485,7 @@ fn stored_normals_come_first_where_there_are_any() {
     }
     let sheet = Set::new(boxed([-5, -5, 0], [5, 5, 0]));
     let hit = Hit { voxel: Morton::encode([16; 3]).unwrap(), from: None, t: 0.0, level: 0, face: Face::PosZ };
-    let ask = |kept, kind| normal(sheet.dag(), Kept(kept), &hit, [0.1, 0.1, -1.0], kind);
+    let ask = |kept, kind| normal(&Tracer::new(sheet.dag()), Kept(kept), &hit, [0.1, 0.1, -1.0], kind);
     let n = ask(Some([3.0, 0.0, 4.0]), NormalKind::Stored);
     assert_eq!((n.direction, n.confidence), ([0.6, 0.0, 0.8], Confidence::Stored));
     // Seen from behind it is turned; other kinds do not ask for it; without one, or with none to speak of, a plane.

@@ -106,7 +106,7 @@ fn normals() {
     let query = Query::new([8.3, 15.0, 7.6], [0.1, -1.0, 0.05]);
     let hit = dag.trace(&query).unwrap();
     for kind in [NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3] {
-        let found = normal(dag, voxdag::materials::Single(0), &hit, query.dir, kind);
+        let found = normal(&Tracer::new(dag), voxdag::materials::Single(0), &hit, query.dir, kind);
         assert_eq!(found.direction, [0.0, 1.0, 0.0], "{kind:?}");
         assert_eq!(matches!(found.confidence, Confidence::Gradient), kind == NormalKind::Gradient);
     }

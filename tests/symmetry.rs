@@ -213,8 +213,8 @@ fn normals_of_every_kind_follow_the_48_symmetries() {
                 assert_eq!(there.voxel, symmetry.code(hit.voxel), "seed {seed}, {symmetry:?}");
                 assert_eq!(image_table.id(there.voxel), plain_table.id(hit.voxel), "owner: seed {seed}, {symmetry:?}");
                 for kind in KINDS {
-                    let a = normal(plain.dag.dag(), plain_table, &hit, dir, kind);
-                    let b = normal(image.dag.dag(), image_table, &there, symmetry.vector(dir), kind);
+                    let a = normal(&Tracer::new(plain.dag.dag()), plain_table, &hit, dir, kind);
+                    let b = normal(&Tracer::new(image.dag.dag()), image_table, &there, symmetry.vector(dir), kind);
                     branches.insert(std::mem::discriminant(&a.confidence));
                     let context = format!("seed {seed}, {symmetry:?}, {kind:?}: {a:?} became {b:?}");
                     assert_eq!(

@@ -57,18 +57,18 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
     let mut pixels = picture::room(args.size, 12, memory)?;
     let mut values = Vec::new();
     let counters = match show {
-        Show::Normals => look(shown, args, &mut pixels, |query, hit, _| match hit {
+        Show::Normals => look(shown, args, &mut pixels, |tracer, query, hit, _| match hit {
             Some(hit) => {
-                rgba(normal::normal(dag, shown.materials, hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
+                rgba(normal::normal(tracer, shown.materials, hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
             }
             None => BLACK,
         })?,
-        Show::Material => look(shown, args, &mut pixels, |_, hit, _| {
+        Show::Material => look(shown, args, &mut pixels, |_, _, hit, _| {
             hit.map_or(BLACK, |hit| material_colour(shown.materials.id(hit.voxel)))
         })?,
         _ => {
             values = picture::room(args.size, 12, memory)?;
-            look(shown, args, &mut values, |query, hit, rounds| match show {
+            look(shown, args, &mut values, |_, query, hit, rounds| match show {
                 Show::Level => hit.map_or(f32::INFINITY, |hit| level(shown, hit).into()),
                 Show::Iterations => rounds as f32,
                 _ => distance(shown, query, hit),
@@ -99,7 +99,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
 pub fn depths(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<f32>> {
     // The picture is there as well.
     let mut depths = picture::room(args.size, 12, memory)?;
-    look(shown, args, &mut depths, |query, hit, _| distance(shown, query, hit))?;
+    look(shown, args, &mut depths, |_, query, hit, _| distance(shown, query, hit))?;
     Ok(depths)
 }
 
@@ -108,7 +108,7 @@ fn look<T: Send>(
     shown: &Shown<'_>,
     args: &PictureArgs,
     out: &mut [T],
-    see: impl Fn(&Query, Option<&Hit>, u32) -> T + Sync,
+    see: impl Fn(&Tracer<'_>, &Query, Option<&Hit>, u32) -> T + Sync,
 ) -> Result<Counters> {
     let camera = picture::camera(shown, &args.camera)?;
     let arithmetic = args.arithmetic.kind();
@@ -121,7 +121,7 @@ fn look<T: Send>(
             let (hit, steps) = tracer.trace_counted(arithmetic, &query);
             counters.primary += 1;
             counters.hits += u64::from(hit.is_some());
-            see(&query, hit.as_ref(), steps.rounds)
+            see(&tracer, &query, hit.as_ref(), steps.rounds)
         })?;
         Ok(counters)
     })

@@ -125,13 +125,11 @@ mod kernel {
 
     #[inline(never)]
     pub fn normals(tracer: &Tracer<'_>, kind: NormalKind, hits: &[(Hit, [f64; 3])]) -> u64 {
-        hits.iter()
-            .map(|(hit, dir)| u64::from(normal(*tracer, Single(0), hit, *dir, kind).direction[1].to_bits()))
-            .sum()
+        hits.iter().map(|(hit, dir)| u64::from(normal(tracer, Single(0), hit, *dir, kind).direction[1].to_bits())).sum()
     }
 
     #[inline(never)]
-    pub fn look_up<M: Materials>(materials: M, dag: voxdag::Dag<'_>, voxels: &[Morton]) -> u64 {
+    pub fn look_up<M: Materials>(materials: M, voxels: &[Morton]) -> u64 {
         voxels.iter().map(|v| u64::from(materials.id(*v))).sum()
     }
 
@@ -193,15 +191,15 @@ const NORMALS: [voxdag::normal::NormalKind; 5] = {
 
 #[divan::bench]
 fn look_up(bencher: Bencher<'_, '_>) {
-    let (table, dag, voxels) = (SCENE.table.as_table(), SCENE.dag.dag(), &SCENE.scattered);
-    bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(table, dag, voxels));
+    let (table, voxels) = (SCENE.table.as_table(), &SCENE.scattered);
+    bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(table, voxels));
 }
 
 #[divan::bench]
 fn look_up_tree(bencher: Bencher<'_, '_>) {
-    let (dag, voxels) = (SCENE.dag.dag(), &SCENE.scattered);
+    let voxels = &SCENE.scattered;
     let AnyMaterials::Tree(tree) = SCENE.tree.as_materials() else { panic!("a tree was asked for") };
-    bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(tree, dag, voxels));
+    bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(tree, voxels));
 }
 
 /// Voxels of the scene.

@@ -50,9 +50,9 @@ pub mod obj;
 #[cfg(feature = "alloc")]
 pub mod voxelize;
 
-pub mod dag;
-
 pub mod geometry;
+
+pub mod dag;
 
 pub mod build;
 

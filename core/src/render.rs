@@ -11,6 +11,8 @@ use core::ops::Range;
 
 use crate::camera::{Camera, CameraError, Rays};
 use crate::color::{self, Mean};
+use crate::dag::Dag;
+use crate::geometry::Geometry;
 use crate::grid::Grid;
 use crate::material::Material;
 use crate::materials::Materials;
@@ -112,9 +114,9 @@ impl Default for Settings {
 
 /// What is looked at, and from where.
 #[derive(Clone, Copy, Debug)]
-pub struct View<'a, M> {
+pub struct View<'a, M, G = Dag<'a>> {
     /// The voxels, and what rays through them are answered by.
-    pub tracer: Tracer<'a>,
+    pub tracer: Tracer<'a, G>,
     /// Which material each voxel has.
     pub materials: M,
     /// The materials by id; an id beyond them is drawn in [`Material::GREY`].
@@ -248,8 +250,8 @@ pub fn each_pixel<T>(
 }
 
 /// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
-pub fn render_rows<M: Materials>(
-    view: &View<'_, M>,
+pub fn render_rows<M: Materials, G: Geometry>(
+    view: &View<'_, M, G>,
     settings: &Settings,
     rows: Range<u32>,
     out: &mut [u32],
@@ -276,10 +278,15 @@ pub fn render_rows<M: Materials>(
 }
 
 /// What the surface at a hit sends back along the ray: linear red, green, blue.
-fn surface_color<M: Materials>(view: &View<'_, M>, settings: &Settings, query: &Query, hit: &Hit) -> [f32; 3] {
+fn surface_color<M: Materials, G: Geometry>(
+    view: &View<'_, M, G>,
+    settings: &Settings,
+    query: &Query,
+    hit: &Hit,
+) -> [f32; 3] {
     let id = view.materials.id(hit.voxel);
     let material = view.palette.get(usize::from(id)).unwrap_or(&Material::GREY);
-    let normal = normal::normal(view.tracer, view.materials, hit, query.dir, settings.normals);
+    let normal = normal::normal(&view.tracer, view.materials, hit, query.dir, settings.normals);
     let back = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]);
     let surface = Surface {
         point: view.grid.to_world(math::add_scaled(query.origin, query.dir, hit.t)),

@@ -273,10 +273,10 @@ impl Caster<'_> {
     /// The line of a hit.
     fn write(&self, text: &mut String, query: &Query, hit: &Hit) {
         use std::fmt::Write as _;
-        let Scene { dag, materials, .. } = *self.scene;
+        let materials = self.scene.materials;
         let [x, y, z] = hit.voxel.decode();
         let material = materials.id(hit.voxel);
-        let [nx, ny, nz] = normal::normal(self.tracer, materials, hit, query.dir, self.normals).direction;
+        let [nx, ny, nz] = normal::normal(&self.tracer, materials, hit, query.dir, self.normals).direction;
         let face = match hit.face {
             Face::NegX => "-x",
             Face::PosX => "+x",

@@ -16,13 +16,10 @@
 //! so equal voxels give equal words. Differs from Kaempe: bricks of 4^3 (his leaves are 2^3), words instead of bytes.
 
 mod count;
-mod voxels;
 
 pub use count::{LevelStats, Stats};
-pub(crate) use voxels::Nodes;
-pub use voxels::{Bricks, Voxels};
 
-use crate::geometry::Geometry;
+use crate::geometry::{Bricks, Geometry, Voxels};
 use crate::morton::{BITS, Morton};
 
 /// Words before the first brick.
@@ -290,12 +287,12 @@ impl<'a> Dag<'a> {
     }
 
     /// All filled voxels in Morton order.
-    pub fn voxels(&self) -> Voxels<'a> {
-        Voxels::new(self.bricks())
+    pub fn voxels(&self) -> Voxels<Dag<'a>> {
+        Geometry::voxels(*self)
     }
 
     /// All bricks that hold a voxel, in Morton order: the code of the brick's first voxel, and its mask.
-    pub fn bricks(&self) -> Bricks<'a> {
-        Bricks::new(*self)
+    pub fn bricks(&self) -> Bricks<Dag<'a>> {
+        Geometry::bricks(*self)
     }
 }

@@ -1,6 +1,6 @@
 //! The surface's direction at a hit, from the occupancy around it (Pineda 2021, section 4.3) or as stored.
 //!
-//! In: a DAG, a hit on it and the ray's direction. Out: always a unit vector out of the surface, and how it was found.
+//! In: a geometry, a hit on it and the ray's direction. Out: always a unit vector out of the surface, and how it was found.
 //! Exact integer moments decide every degenerate case, so neither the place of a neighbourhood nor how it is turned
 //! matters: a plane if the voxels are flat enough (l0 / l1 <= 0.6), otherwise the gradient, otherwise the entry face;
 //! for voxels on a line the view direction made perpendicular to it, otherwise the entry face.
@@ -13,6 +13,7 @@
 mod plane;
 mod window;
 
+use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
@@ -66,18 +67,17 @@ pub struct Normal {
     pub confidence: Confidence,
 }
 
-/// The normal at `hit`, which a ray along `dir` (grid coordinates, any length) found in the tracer's DAG. A `Dag` will do
-/// as the tracer; one with a top grid is faster.
+/// The normal at `hit`, which a ray along `dir` (grid coordinates, any length) found in the tracer's geometry; a tracer
+/// with a top grid is faster.
 ///
 /// Total: also for a voxel that is not filled or a direction that is none, the answer is a unit vector.
-pub fn normal<'a, M: Materials>(
-    tracer: impl Into<Tracer<'a>>,
+pub fn normal<G: Geometry, M: Materials>(
+    tracer: &Tracer<'_, G>,
     materials: M,
     hit: &Hit,
     dir: [f64; 3],
     kind: NormalKind,
 ) -> Normal {
-    let tracer = &tracer.into();
     let view = View::new(hit.face, dir);
     let stored = || {
         let n = math::normalize(materials.normal(hit.voxel)?.map(f64::from))?;
@@ -112,7 +112,7 @@ impl View {
     }
 
     /// From the voxels at most `radius` away along each axis; `None`: entry face.
-    fn plane(&self, tracer: &Tracer<'_>, voxel: Morton, radius: u32) -> Option<Normal> {
+    fn plane<G: Geometry>(&self, tracer: &Tracer<'_, G>, voxel: Morton, radius: u32) -> Option<Normal> {
         let moments = Moments::around(tracer, voxel, radius);
         match plane::fit(&moments) {
             Fit::Point => None,
@@ -131,7 +131,7 @@ impl View {
     }
 
     /// From filled to empty among the six neighbours; outside the cube is empty. `None`: entry face.
-    fn gradient(&self, tracer: &Tracer<'_>, voxel: Morton) -> Option<Normal> {
+    fn gradient<G: Geometry>(&self, tracer: &Tracer<'_, G>, voxel: Morton) -> Option<Normal> {
         let own = tracer.brick(voxel);
         let filled = |axis: usize, step: i32| {
             let mut offset = [0; 3];

@@ -1,6 +1,6 @@
 //! The filled voxels around a voxel, gathered as brick masks, and their moments.
 //!
-//! In: a DAG, a voxel and a radius r. Out: number, sums and sums of products of the coordinates of the filled voxels in
+//! In: a geometry, a voxel and a radius r. Out: number, sums and sums of products of the coordinates of the filled voxels in
 //! the (2 r + 1)^3 window around it. Exact integers, counted from the window's first brick, so where the window lies
 //! does not matter; voxels outside the cube are absent.
 //!
@@ -8,7 +8,8 @@
 //! (one byte each in Morton order), whose moments stand in a table as packed numbers that are added as they are: no
 //! population counts, which baseline x86-64 and wasm32 lack or emulate, and no look-up per voxel.
 
-use crate::dag::{BRICK_LEVEL, Dag, HEADER, ONES};
+use crate::dag::BRICK_LEVEL;
+use crate::geometry::Geometry;
 use crate::morton::Morton;
 use crate::trace::Tracer;
 
@@ -137,7 +138,7 @@ impl Sums {
 
 impl Moments {
     /// Moments of the filled voxels at most `radius` (0 to 3) away from `voxel` along each axis.
-    pub(super) fn around(tracer: &Tracer<'_>, voxel: Morton, radius: u32) -> Moments {
+    pub(super) fn around<G: Geometry>(tracer: &Tracer<'_, G>, voxel: Morton, radius: u32) -> Moments {
         let mut sums = Sums::default();
         each_brick(tracer, voxel.decode(), radius, |place, mask| sums.add(place, mask));
         sums.moments()
@@ -158,14 +159,17 @@ fn first_corner(center: u32, radius: u32) -> u32 {
 /// Calls `each` for every brick that holds a voxel of the window: with its place, in bricks from the window's first
 /// one, and its mask, clipped to the window.
 #[inline]
-fn each_brick(tracer: &Tracer<'_>, center: [u32; 3], radius: u32, mut each: impl FnMut([u32; 3], u64)) {
-    let dag = tracer.dag();
-    let last = (1 << dag.depth()) - 1;
-    if dag.is_empty() || center.iter().any(|&c| c > last) {
+fn each_brick<G: Geometry>(tracer: &Tracer<'_, G>, center: [u32; 3], radius: u32, mut each: impl FnMut([u32; 3], u64)) {
+    let geometry = tracer.geometry();
+    let last = (1 << geometry.depth()) - 1;
+    if geometry.is_empty() || center.iter().any(|&c| c > last) {
         return;
     }
     let lo = center.map(|c| c.saturating_sub(radius));
     let hi = center.map(|c| (c + radius).min(last));
+
+    let child =
+        |node, level, code: u64| geometry.child_or_empty(node, level as u8 + 1, (code >> (3 * level)) as u32 & 7);
 
     // Without a top grid, descend while one node holds the whole window.
     let mut top = tracer.entry_level();
@@ -173,12 +177,12 @@ fn each_brick(tracer: &Tracer<'_>, center: [u32; 3], radius: u32, mut each: impl
     let code = Morton::encode_masked(lo).0;
     if !tracer.has_top() {
         let spread = (lo[0] ^ hi[0]) | (lo[1] ^ hi[1]) | (lo[2] ^ hi[2]);
-        let mut word = dag.root();
+        let mut node = geometry.root();
         while top > u32::from(BRICK_LEVEL) && spread >> (top - 1) == 0 {
             top -= 1;
-            word = child_or_empty(dag, word, code >> (3 * top) & 7);
+            node = child(node, top, code);
         }
-        root = Some(word);
+        root = Some(node);
     }
 
     // Along each axis the window meets one to three bricks: their slabs of it, and the axis's bits of their codes.
@@ -196,7 +200,7 @@ fn each_brick(tracer: &Tracer<'_>, center: [u32; 3], radius: u32, mut each: impl
         }
     }
     // Neighbours share ancestors: of the last brick's path all is kept above where the codes part.
-    let mut path = [EMPTY; 23];
+    let mut path = [G::EMPTY; 23];
     let mut last = None;
     for (z, &(code_z, slab_z)) in (0..bricks[2]).zip(&along[2]) {
         for (y, &(code_y, slab_y)) in (0..bricks[1]).zip(&along[1]) {
@@ -204,17 +208,17 @@ fn each_brick(tracer: &Tracer<'_>, center: [u32; 3], radius: u32, mut each: impl
                 let code = code_x | code_y | code_z;
                 let parting = last.map_or(top, |last: u64| (66 - (code ^ last).leading_zeros()) / 3);
                 last = Some(code);
-                let (parting, mut word) = if parting < top {
+                let (parting, mut node) = if parting < top {
                     (parting, path[parting as usize])
                 } else {
                     let corner = [lo[0] / 4 + x, lo[1] / 4 + y, lo[2] / 4 + z].map(|b| 4 * b);
-                    (top, root.or_else(|| tracer.entry(corner)).unwrap_or(EMPTY))
+                    (top, root.or_else(|| tracer.entry(corner)).unwrap_or(G::EMPTY))
                 };
                 for level in (u32::from(BRICK_LEVEL)..parting).rev() {
-                    word = child_or_empty(dag, word, code >> (3 * level) & 7);
-                    path[level as usize] = word;
+                    node = child(node, level, code);
+                    path[level as usize] = node;
                 }
-                let mask = dag.brick_at(word) & slab_x & slab_y & slab_z;
+                let mask = geometry.brick_or_empty(node) & slab_x & slab_y & slab_z;
                 if mask != 0 {
                     each([x, y, z], mask);
                 }
@@ -225,21 +229,6 @@ fn each_brick(tracer: &Tracer<'_>, center: [u32; 3], radius: u32, mut each: impl
 
 /// The bits of a code that are x's.
 const AXIS: u64 = 0x1249_2492_4924_9249;
-
-/// Stands for an empty node and for an empty brick: the two words at the end of the header, which are 0.
-const EMPTY: usize = HEADER - 2;
-
-/// The child in `octant` of the node at `word`, or [`EMPTY`]; without a branch, as occupancy is hard to predict.
-#[inline]
-fn child_or_empty(dag: Dag<'_>, word: usize, octant: u64) -> usize {
-    let words = dag.words();
-    let mask = words[word] as usize;
-    let before = usize::from(ONES[mask << (8 - octant) & 0xff]);
-    let filled = mask >> octant & 1;
-    // Without a child this is word 0, the depth, which is below EMPTY as no child is.
-    let place = (word + 1 + before) & filled.wrapping_neg();
-    (words[place] as usize).max(EMPTY)
-}
 
 #[cfg(test)]
 mod tests {

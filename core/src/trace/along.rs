@@ -5,11 +5,13 @@
 use super::ray::Ray;
 use super::walk::{arrive, begin, walk};
 use super::{Hit, Query, Steps, Tracer};
+use crate::dag::Dag;
+use crate::geometry::Geometry;
 use crate::morton::{BITS, Morton};
 
 /// Iterator over the filled voxels along a ray. See [`Tracer::hits`].
-pub struct Hits<'a> {
-    tracer: Tracer<'a>,
+pub struct Hits<'a, G = Dag<'a>> {
+    tracer: Tracer<'a, G>,
     query: Query,
     /// The ray and the voxel to go on from; `None` at the end.
     next: Option<(Ray, [i32; 3])>,
@@ -28,7 +30,7 @@ fn behind(ray: &Ray, p: [i32; 3], side: i32, size: i32) -> Option<[i32; 3]> {
     next.iter().all(|x| *x >= 0 && *x < size).then_some(next)
 }
 
-impl<'a> Tracer<'a> {
+impl<'a, G: Geometry> Tracer<'a, G> {
     /// All filled voxels that the ray meets between `t_min` and `t_max`, in order, exactly: picking through what is in
     /// front. With a `min_level` all cubes of that level that hold one.
     ///
@@ -42,23 +44,23 @@ impl<'a> Tracer<'a> {
     /// assert_eq!(times, [1.0, 3.0]);
     /// # Ok::<(), voxdag::build::BuildError>(())
     /// ```
-    pub fn hits(&self, query: &Query) -> Hits<'a> {
-        let next = if self.dag.is_empty() { None } else { begin::<true>(query, 1 << self.dag.depth()) };
+    pub fn hits(&self, query: &Query) -> Hits<'a, G> {
+        let next = if self.geometry.is_empty() { None } else { begin::<true>(query, 1 << self.geometry.depth()) };
         Hits { tracer: *self, query: *query, next }
     }
 }
 
-impl Iterator for Hits<'_> {
+impl<G: Geometry> Iterator for Hits<'_, G> {
     type Item = Hit;
 
     fn next(&mut self) -> Option<Hit> {
         let (ray, p) = self.next.take()?;
-        let size = 1 << self.tracer.dag.depth();
+        let size = 1 << self.tracer.geometry.depth();
         let min_level = self.query.min_level;
         let (p, level) = if self.tracer.serves(&self.query) {
-            walk::<true, true>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
+            walk::<true, true, G>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
         } else {
-            walk::<true, false>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
+            walk::<true, false, G>(&self.tracer, &ray, p, min_level, &mut Steps::default())?
         };
         let hit = arrive::<true>(&ray, p, level, size, &self.query);
         self.next = behind(&ray, p, 1 << level, size).map(|next| (ray, next));

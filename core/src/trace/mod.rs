@@ -1,4 +1,4 @@
-//! Rays through a DAG: the first filled voxel along the real line that six f64 describe.
+//! Rays through a voxel geometry: the first filled voxel along the real line that six f64 describe.
 
 mod along;
 #[cfg(all(test, feature = "alloc"))]
@@ -14,6 +14,7 @@ pub use top::Top;
 pub use top::TopBuf;
 
 use crate::dag::{BRICK_LEVEL, Dag};
+use crate::geometry::Geometry;
 use crate::morton::Morton;
 
 /// A ray in grid coordinates (voxel k spans k to k + 1) and what counts as a hit.
@@ -110,34 +111,27 @@ pub struct Steps {
     pub close: u32,
 }
 
-/// A DAG and, if there is one, its top grid: what answers rays. The answers do not depend on the grid.
+/// A geometry and, if there is one, its top grid: what answers rays. The answers depend on neither the layout nor the grid.
 #[derive(Clone, Copy, Debug)]
-pub struct Tracer<'a> {
-    dag: Dag<'a>,
+pub struct Tracer<'a, G = Dag<'a>> {
+    geometry: G,
     top: Option<Top<'a>>,
 }
 
-/// Traces the DAG as it is.
-impl<'a> From<Dag<'a>> for Tracer<'a> {
-    fn from(dag: Dag<'a>) -> Tracer<'a> {
-        Tracer::new(dag)
-    }
-}
-
-impl<'a> Tracer<'a> {
-    /// Traces the DAG as it is.
-    pub fn new(dag: Dag<'a>) -> Tracer<'a> {
-        Tracer { dag, top: None }
+impl<'a, G: Geometry> Tracer<'a, G> {
+    /// Traces the geometry as it is.
+    pub fn new(geometry: G) -> Tracer<'a, G> {
+        Tracer { geometry, top: None }
     }
 
-    /// Traces with a top grid, which must have been made from this DAG; `None` if its size says that it was not.
-    pub fn with_top(dag: Dag<'a>, top: Top<'a>) -> Option<Tracer<'a>> {
-        top.fits(&dag).then_some(Tracer { dag, top: Some(top) })
+    /// Traces with a top grid, which must have been made from these words; `None` if its size says that it was not.
+    pub fn with_top(geometry: G, top: Top<'a>) -> Option<Tracer<'a, G>> {
+        top.fits(&geometry).then_some(Tracer { geometry, top: Some(top) })
     }
 
     /// The geometry.
-    pub fn dag(&self) -> Dag<'a> {
-        self.dag
+    pub fn geometry(&self) -> G {
+        self.geometry
     }
 
     /// Whether there is a top grid.
@@ -151,33 +145,33 @@ impl<'a> Tracer<'a> {
     pub(crate) fn entry_level(&self) -> u32 {
         match &self.top {
             Some(top) => top.level() as u32,
-            None => u32::from(self.dag.depth().max(BRICK_LEVEL)),
+            None => u32::from(self.geometry.depth().max(BRICK_LEVEL)),
         }
     }
 
     /// The node of that level around a voxel in the cube; `None` if it is empty.
     #[inline]
-    pub(crate) fn entry(&self, voxel: [u32; 3]) -> Option<usize> {
+    pub(crate) fn entry(&self, voxel: [u32; 3]) -> Option<u32> {
         match &self.top {
             Some(top) => top.node(voxel),
-            None => (!self.dag.is_empty()).then(|| self.dag.root()),
+            None => (!self.geometry.is_empty()).then(|| self.geometry.root()),
         }
     }
 
-    /// [`Dag::brick`], by way of the top grid.
+    /// [`Geometry::brick`], by way of the top grid.
     #[inline]
     pub(crate) fn brick(&self, voxel: Morton) -> u64 {
-        if voxel.0 >> (3 * u32::from(self.dag.depth().max(BRICK_LEVEL))) != 0 {
+        if voxel.0 >> (3 * u32::from(self.geometry.depth().max(BRICK_LEVEL))) != 0 {
             return 0;
         }
-        let Some(mut word) = self.entry(voxel.decode()) else { return 0 };
-        for level in (u32::from(BRICK_LEVEL)..self.entry_level()).rev() {
-            match self.dag.child(word, (voxel.0 >> (3 * level)) as u32 & 7) {
-                Some(child) => word = child,
+        let Some(mut node) = self.entry(voxel.decode()) else { return 0 };
+        for level in (BRICK_LEVEL..self.entry_level() as u8).rev() {
+            match self.geometry.child(node, level + 1, u32::from(voxel.octant(level))) {
+                Some(child) => node = child,
                 None => return 0,
             }
         }
-        self.dag.brick_at(word)
+        self.geometry.brick_at(node)
     }
 
     /// The first filled voxel that the ray meets; `None` if there is none, or if the ray is no ray (NaN, infinite
@@ -190,20 +184,20 @@ impl<'a> Tracer<'a> {
     /// [`Tracer::trace`], and what the walk took.
     pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, Steps) {
         match (arithmetic, self.serves(query)) {
-            (Arithmetic::Exact, true) => walk::trace::<true, true>(self, query),
-            (Arithmetic::Exact, false) => walk::trace::<true, false>(self, query),
-            (Arithmetic::F64, true) => walk::trace::<false, true>(self, query),
-            (Arithmetic::F64, false) => walk::trace::<false, false>(self, query),
+            (Arithmetic::Exact, true) => walk::trace::<true, true, G>(self, query),
+            (Arithmetic::Exact, false) => walk::trace::<true, false, G>(self, query),
+            (Arithmetic::F64, true) => walk::trace::<false, true, G>(self, query),
+            (Arithmetic::F64, false) => walk::trace::<false, false, G>(self, query),
         }
     }
 
     /// Whether the ray meets any filled voxel: `trace(..).is_some()`, without working out where.
     pub fn occluded(&self, arithmetic: Arithmetic, query: &Query) -> bool {
         match (arithmetic, self.serves(query)) {
-            (Arithmetic::Exact, true) => walk::occluded::<true, true>(self, query),
-            (Arithmetic::Exact, false) => walk::occluded::<true, false>(self, query),
-            (Arithmetic::F64, true) => walk::occluded::<false, true>(self, query),
-            (Arithmetic::F64, false) => walk::occluded::<false, false>(self, query),
+            (Arithmetic::Exact, true) => walk::occluded::<true, true, G>(self, query),
+            (Arithmetic::Exact, false) => walk::occluded::<true, false, G>(self, query),
+            (Arithmetic::F64, true) => walk::occluded::<false, true, G>(self, query),
+            (Arithmetic::F64, false) => walk::occluded::<false, false, G>(self, query),
         }
     }
 

@@ -1,19 +1,20 @@
-//! The top grid: the upper levels of the octree as a dense grid of cells, made from the DAG when it is loaded.
+//! The top grid: the upper levels of the octree as a dense grid of cells, made from the geometry when it is loaded.
 //!
-//! In: a DAG. Out: words that let a ray enter the DAG half way down, and cross empty space in boxes. A cell that holds a
-//! voxel names its node (the word offset in the DAG). An empty one says, for each of the eight octants a ray may head to,
+//! In: a geometry. Out: words that let a ray enter it half way down, and cross empty space in boxes. A cell that holds a
+//! voxel names its node. An empty one says, for each of the eight octants a ray may head to,
 //! where a box ends that is empty and begins at this cell. The box starts as the largest empty cube (a distance
 //! transform from back to front) and grows along x, y and z while the slab ahead is empty. It is derived data: not stored,
 //! optional, and the answers do not depend on it. Source: directed distances after Cohen and Sheffer (1994); boxes ours.
 //!
 //! ```text
 //! word  ((octant n + z) n + y) n + x  of n^3 cells a side, octant = (dx >= 0) + 2 (dy >= 0) + 4 (dz >= 0)
-//!       node: offset < 2^31        empty: 1 << 31 | far plane along x | y << 9 | z << 18, in cells: 0 to n
+//!       node: number < 2^31        empty: 1 << 31 | far plane along x | y << 9 | z << 18, in cells: 0 to n
 //! ```
 
-use crate::dag::{BRICK_LEVEL, Dag, NODE, Nodes};
+use crate::dag::{BRICK_LEVEL, NODE};
+use crate::geometry::{Geometry, Nodes};
 
-/// A checked top grid of a DAG, as [`Top::build_into`] writes it.
+/// A checked top grid of a geometry, as [`Top::build_into`] writes it.
 #[derive(Clone, Copy, Debug)]
 pub struct Top<'a> {
     words: &'a [u32],
@@ -25,7 +26,7 @@ pub struct Top<'a> {
 
 /// What a cell says to a ray.
 pub(super) enum Cell {
-    /// The word offset of its node.
+    /// Its node.
     Node(u32),
     /// The planes, in voxels, through which a ray leaves the empty box ahead.
     Empty([i32; 3]),
@@ -43,26 +44,33 @@ impl<'a> Top<'a> {
         side * side * side
     }
 
-    /// The most cells along an axis, as a power of two, that a DAG can have a grid of; at most 8.
-    pub fn most_bits(dag: &Dag<'_>) -> u8 {
-        dag.depth().saturating_sub(BRICK_LEVEL).min(8)
+    /// The most cells along an axis, as a power of two, that a geometry can have a grid of; at most 8.
+    pub fn most_bits<G: Geometry>(geometry: &G) -> u8 {
+        geometry.depth().saturating_sub(BRICK_LEVEL).min(8)
     }
 
     /// Makes the grid of `2^bits` cells a side in lent memory; `None` if `bits` is above [`Top::most_bits`] or a slice
     /// has not the length that [`Top::words_for`] and [`Top::scratch_for`] say.
-    pub fn build_into(dag: &Dag<'_>, bits: u8, words: &'a mut [u32], scratch: &mut [u32]) -> Option<Top<'a>> {
-        if bits > Top::most_bits(dag) || words.len() != Top::words_for(bits) || scratch.len() != Top::scratch_for(bits)
+    pub fn build_into<G: Geometry>(
+        geometry: &G,
+        bits: u8,
+        words: &'a mut [u32],
+        scratch: &mut [u32],
+    ) -> Option<Top<'a>> {
+        if bits > Top::most_bits(geometry)
+            || words.len() != Top::words_for(bits)
+            || scratch.len() != Top::scratch_for(bits)
         {
             return None;
         }
-        let level = dag.depth().max(BRICK_LEVEL) - bits;
+        let level = geometry.depth().max(BRICK_LEVEL) - bits;
         let n = 1usize << bits;
         let at = |c: [usize; 3]| (c[2] * n + c[1]) * n + c[0];
 
         // Enter the nodes of the cells' level into the first octant's grid; NODE alone marks an empty cell.
         words.fill(NODE);
-        for (code, node) in Nodes::new(*dag, level) {
-            words[at(code.decode().map(|x| (x >> level) as usize))] = node as u32;
+        for (code, node) in Nodes::new(*geometry, level) {
+            words[at(code.decode().map(|x| (x >> level) as usize))] = node;
         }
         let sums = Sums::new(n, scratch, |c| words[at(c)] & NODE == 0);
 
@@ -118,16 +126,11 @@ impl<'a> Top<'a> {
         Some(Top { words, bits, level })
     }
 
-    /// Whether it can be the grid of this DAG: its size fits, and all that it names are nodes of its level. The grid of
-    /// another DAG may pass, and then leads to wrong answers, but to nothing worse.
-    pub(super) fn fits(&self, dag: &Dag<'_>) -> bool {
-        let nodes = dag.level_start(self.level)..dag.level_start(self.level + 1);
-        let starts = |word: usize| match self.level {
-            BRICK_LEVEL => word.is_multiple_of(2),
-            _ => dag.words()[word] & NODE != 0,
-        };
-        let known = |word: u32| word & NODE != 0 || nodes.contains(&(word as usize)) && starts(word as usize);
-        self.level + self.bits == dag.depth().max(BRICK_LEVEL) && self.words.iter().all(|&word| known(word))
+    /// Whether it can be the grid of this geometry: its size fits, and all that it names are nodes of its level. The grid
+    /// of another may pass, and then leads to wrong answers, but to nothing worse.
+    pub(super) fn fits<G: Geometry>(&self, geometry: &G) -> bool {
+        let known = |word: u32| word & NODE != 0 || geometry.is_node(word, self.level);
+        self.level + self.bits == geometry.depth().max(BRICK_LEVEL) && self.words.iter().all(|&word| known(word))
     }
 
     /// Octree level of a cell.
@@ -138,9 +141,9 @@ impl<'a> Top<'a> {
 
     /// The node of the cell around a voxel; `None` if it is empty.
     #[inline]
-    pub(super) fn node(&self, voxel: [u32; 3]) -> Option<usize> {
+    pub(super) fn node(&self, voxel: [u32; 3]) -> Option<u32> {
         match self.cell(voxel.map(|x| x as i32), 0) {
-            Cell::Node(node) => Some(node as usize),
+            Cell::Node(node) => Some(node),
             Cell::Empty(_) => None,
         }
     }
@@ -171,8 +174,8 @@ pub struct TopBuf {
 impl TopBuf {
     /// Makes the grid of `2^bits` cells a side, or of as many as the DAG can have; `Err` with the number of bytes that
     /// could not be had.
-    pub fn new(dag: &Dag<'_>, bits: u8) -> Result<TopBuf, usize> {
-        let bits = bits.min(Top::most_bits(dag));
+    pub fn new<G: Geometry>(geometry: &G, bits: u8) -> Result<TopBuf, usize> {
+        let bits = bits.min(Top::most_bits(geometry));
         let lend = |len: usize| -> Result<alloc::vec::Vec<u32>, usize> {
             let mut list = alloc::vec::Vec::new();
             list.try_reserve_exact(len).map_err(|_| 4 * len)?;
@@ -180,8 +183,8 @@ impl TopBuf {
             Ok(list)
         };
         let (mut words, mut scratch) = (lend(Top::words_for(bits))?, lend(Top::scratch_for(bits))?);
-        let level = dag.depth().max(BRICK_LEVEL) - bits;
-        Top::build_into(dag, bits, &mut words, &mut scratch).expect("the sizes are those that the grid takes");
+        let level = geometry.depth().max(BRICK_LEVEL) - bits;
+        Top::build_into(geometry, bits, &mut words, &mut scratch).expect("the sizes are those that the grid takes");
         Ok(TopBuf { words, bits, level })
     }
 

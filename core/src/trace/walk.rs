@@ -14,24 +14,28 @@ use super::ray::{Crossing, Ray, Unclear, axes};
 use super::top::Cell;
 use super::{Face, Hit, Query, Steps, Tracer};
 use crate::dag::BRICK_LEVEL;
+use crate::geometry::Geometry;
 use crate::morton::Morton;
 
 /// Nearest hit, and what it took.
 #[inline(never)]
-pub(super) fn trace<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> (Option<Hit>, Steps) {
+pub(super) fn trace<const EXACT: bool, const TOP: bool, G: Geometry>(
+    tracer: &Tracer<'_, G>,
+    query: &Query,
+) -> (Option<Hit>, Steps) {
     let mut steps = Steps::default();
-    let size = 1i32 << tracer.dag.depth();
+    let size = 1i32 << tracer.geometry.depth();
     let Some((ray, start)) = begin::<EXACT>(query, size) else { return (None, steps) };
-    let found = walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut steps);
+    let found = walk::<EXACT, TOP, G>(tracer, &ray, start, query.min_level, &mut steps);
     (found.map(|(p, level)| arrive::<EXACT>(&ray, p, level, size, query)), steps)
 }
 
 /// Any hit.
 #[inline(never)]
-pub(super) fn occluded<const EXACT: bool, const TOP: bool>(tracer: &Tracer<'_>, query: &Query) -> bool {
-    let size = 1i32 << tracer.dag.depth();
+pub(super) fn occluded<const EXACT: bool, const TOP: bool, G: Geometry>(tracer: &Tracer<'_, G>, query: &Query) -> bool {
+    let size = 1i32 << tracer.geometry.depth();
     let Some((ray, start)) = begin::<EXACT>(query, size) else { return false };
-    walk::<EXACT, TOP>(tracer, &ray, start, query.min_level, &mut Steps::default()).is_some()
+    walk::<EXACT, TOP, G>(tracer, &ray, start, query.min_level, &mut Steps::default()).is_some()
 }
 
 /// The ray of a query and its first voxel in a cube of `size` voxels; `None` for a miss.
@@ -52,17 +56,17 @@ pub(super) fn begin<const EXACT: bool>(query: &Query, size: i32) -> Option<(Ray,
 /// From voxel `p` to the first filled one, and the level of what was hit. With `TOP` the tracer has a top grid, and its
 /// cells are no smaller than `min_level`.
 #[inline(never)]
-pub(super) fn walk<const EXACT: bool, const TOP: bool>(
-    tracer: &Tracer<'_>,
+pub(super) fn walk<const EXACT: bool, const TOP: bool, G: Geometry>(
+    tracer: &Tracer<'_, G>,
     ray: &Ray,
     mut p: [i32; 3],
     min_level: u8,
     steps: &mut Steps,
 ) -> Option<([i32; 3], u8)> {
-    let dag = tracer.dag;
-    let depth = dag.depth();
+    let geometry = tracer.geometry;
+    let depth = geometry.depth();
     let outside = -1i32 << depth;
-    if dag.is_empty() {
+    if geometry.is_empty() {
         return None;
     }
     let goal = min_level.min(depth);
@@ -70,7 +74,7 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
     let floor = goal.max(BRICK_LEVEL) as usize;
     let mut level = depth.max(BRICK_LEVEL) as usize;
     let mut nodes = [0u32; 32];
-    nodes[level & 31] = dag.root() as u32;
+    nodes[level & 31] = geometry.root();
     let top = if TOP { tracer.top } else { None };
     loop {
         steps.rounds += 1;
@@ -95,8 +99,8 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
                 level -= 1;
                 let bit = |i: usize| (p[i] as u32 >> level) & 1;
                 let octant = bit(0) | bit(1) << 1 | bit(2) << 2;
-                match dag.child(nodes[(level + 1) & 31] as usize, octant) {
-                    Some(child) => nodes[level & 31] = child as u32,
+                match geometry.child(nodes[(level + 1) & 31], level as u8 + 1, octant) {
+                    Some(child) => nodes[level & 31] = child,
                     None => break 'empty (ray.planes(p, 1 << level), false),
                 }
             }
@@ -104,7 +108,7 @@ pub(super) fn walk<const EXACT: bool, const TOP: bool>(
                 return Some((p, goal));
             }
             // In a brick, look at the voxel and at the 2^3 around it.
-            let brick = dag.brick_at(nodes[BRICK_LEVEL as usize] as usize);
+            let brick = geometry.brick_at(nodes[BRICK_LEVEL as usize]);
             let block = (p[0] & 2) << 2 | (p[1] & 2) << 3 | (p[2] & 2) << 4;
             let eight = (brick >> block) as u8;
             let bit = (p[0] & 1) | (p[1] & 1) << 1 | (p[2] & 1) << 2;

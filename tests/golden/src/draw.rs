@@ -93,7 +93,7 @@ fn add_surface(hash: &mut Hash, scene: &Scene<'_>, stage: &Stage, query: &Query,
         NormalKind::Plane2,
         NormalKind::Plane3,
     ] {
-        let normal = normal(scene.dag, scene.materials, hit, query.dir, kind).direction;
+        let normal = normal(&Tracer::new(scene.dag), scene.materials, hit, query.dir, kind).direction;
         let color = shade(&scene.material(id), &Surface { point, normal, view }, [0.1; 3], &stage.lights);
         hash.add_f32s(normal);
         hash.add_f32s(color);

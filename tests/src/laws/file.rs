@@ -199,8 +199,8 @@ fn trace_and_draw(scene: &Scene<'_>, palette: &[Material]) {
         assert_eq!(tracer.occluded(Arithmetic::Exact, &query), hit.is_some());
         assert!(tracer.hits(&query).take(50).all(|hit| dag.contains(hit.voxel)));
         if let Some(hit) = hit {
-            normal(dag, scene.materials, &hit, dir, NormalKind::Stored);
-            normal(dag, scene.materials, &hit, dir, NormalKind::Plane3);
+            normal(&Tracer::new(dag), scene.materials, &hit, dir, NormalKind::Stored);
+            normal(&Tracer::new(dag), scene.materials, &hit, dir, NormalKind::Plane3);
         }
     }
     let camera = Camera::framing(&scene.bounds, scene.up);

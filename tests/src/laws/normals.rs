@@ -46,10 +46,10 @@ pub fn normals(data: &[u8]) {
     let dag = Dag::new(&words).expect("the twin's words are a DAG");
     let code = Morton::encode(voxel.map(|x| x as u32)).expect("within the cube");
     let hit = Hit { voxel: code, from: None, t: 0.0, level: 0, face };
-    let found = normal(dag, Single(0), &hit, dir, kind);
+    let found = normal(&Tracer::new(dag), Single(0), &hit, dir, kind);
     let top = TopBuf::new(&dag, 2).unwrap();
     let tracer = Tracer::with_top(dag, top.as_top()).expect("the grid is this DAG's");
-    assert_eq!(normal(tracer, Single(0), &hit, dir, kind), found, "a top grid changes the normal");
+    assert_eq!(normal(&tracer, Single(0), &hit, dir, kind), found, "a top grid changes the normal");
     let length2: f64 = found.direction.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
     assert!((length2 - 1.0).abs() < 1e-6, "no unit vector: {found:?}");
     if in_cube(&voxel) && dir.iter().all(|x| x.is_finite()) {

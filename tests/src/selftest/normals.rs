@@ -8,7 +8,7 @@
 use voxdag::materials::Single;
 use voxdag::math::{cross, dot, sqrt};
 use voxdag::normal::{Normal, NormalKind, normal};
-use voxdag::trace::{Face, Hit};
+use voxdag::trace::{Face, Hit, Tracer};
 use voxdag::{Dag, Morton};
 
 use super::{Case, Tally, Unit};
@@ -55,7 +55,13 @@ impl Around {
         let words = VoxelSet::new(voxels).words(21);
         let voxel = Morton::encode(at.map(|k| k as u32)).expect("the voxel lies in the cube");
         let hit = Hit { voxel, from: None, t: 0.0, level: 0, face: facing(dir) };
-        normal(Dag::new(&words).expect("the twin's words are good"), Single(0), &hit, dir, NormalKind::Plane2)
+        normal(
+            &Tracer::new(Dag::new(&words).expect("the twin's words are good")),
+            Single(0),
+            &hit,
+            dir,
+            NormalKind::Plane2,
+        )
     }
 
     fn f32(&self, at: Voxel) -> Option<[f64; 3]> {

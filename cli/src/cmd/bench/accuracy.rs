@@ -282,7 +282,7 @@ impl Known {
     fn degrees(&self, kind: NormalKind, found: &[Found]) -> f64 {
         let off = |f: &Found| {
             let truth = (self.normal)(f.hit.voxel.decode().map(|k| f64::from(k) + 0.5));
-            let n = normal(self.dag.dag(), Single(0), &f.hit, f.dir, kind).direction.map(f64::from);
+            let n = normal(&Tracer::new(self.dag.dag()), Single(0), &f.hit, f.dir, kind).direction.map(f64::from);
             let sine = cross(n, truth);
             libm::atan2(sqrt(dot(sine, sine)), dot(n, truth)).to_degrees()
         };
@@ -308,7 +308,7 @@ fn normals(run: &Run) -> Result<Normals> {
     let all: Vec<_> = known.iter().zip(&found).flat_map(|(k, f)| f.iter().map(|f| (k.dag.dag(), f))).collect();
     let arm = |kind| {
         Arm::each(&all, move |(dag, f): &(Dag<'_>, &Found)| {
-            let n = normal(*dag, Single(0), &f.hit, f.dir, kind).direction;
+            let n = normal(&Tracer::new(*dag), Single(0), &f.hit, f.dir, kind).direction;
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };

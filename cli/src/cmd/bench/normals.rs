@@ -43,7 +43,7 @@ fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found
     let tracer = rays::tracer(scene.dag, &top)?;
     let kind = |kind| {
         Arm::each(found, move |f: &Found| {
-            let n = normal(tracer, materials, &f.hit, f.dir, kind).direction;
+            let n = normal(&tracer, materials, &f.hit, f.dir, kind).direction;
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };

@@ -1,12 +1,13 @@
-//! Walks over all bricks and voxels of a DAG in Morton order, with a fixed stack.
+//! Walks over all bricks and voxels of a geometry in Morton order, with a fixed stack.
 
-use super::{BRICK_LEVEL, Dag};
+use crate::dag::BRICK_LEVEL;
+use crate::geometry::Geometry;
 use crate::morton::Morton;
 
-/// Iterator over the nodes of one level, in Morton order: the code of their first voxel, and their word offset.
+/// Iterator over the nodes of one level, in Morton order: the code of their first voxel, and their number.
 #[derive(Clone, Debug)]
-pub(crate) struct Nodes<'a> {
-    dag: Dag<'a>,
+pub(crate) struct Nodes<G> {
+    geometry: G,
     bottom: u8,
     /// Per level above `bottom`: the open node and its octants that are still to come.
     open: [(u32, u8); 23],
@@ -14,28 +15,28 @@ pub(crate) struct Nodes<'a> {
     code: u64,
 }
 
-impl<'a> Nodes<'a> {
+impl<G: Geometry> Nodes<G> {
     /// The nodes of level `bottom`, from the bricks (2) to the root.
-    pub(crate) fn new(dag: Dag<'a>, bottom: u8) -> Self {
-        let top = dag.depth().max(BRICK_LEVEL);
+    pub(crate) fn new(geometry: G, bottom: u8) -> Self {
+        let top = geometry.depth().max(BRICK_LEVEL);
         let mut open = [(0, 0); 23];
-        if !dag.is_empty() {
-            let root = dag.root();
+        if !geometry.is_empty() {
+            let root = geometry.root();
             // Where the root itself is asked for, it gets a parent in thought: one octant, the root.
-            open[top as usize] = if bottom < top { (root as u32, dag.words()[root] as u8) } else { (0, 1) };
+            open[top as usize] = if bottom < top { (root, geometry.mask(root, top)) } else { (0, 1) };
         }
-        Nodes { dag, bottom, open, level: top, code: 0 }
+        Nodes { geometry, bottom, open, level: top, code: 0 }
     }
 }
 
-impl Iterator for Nodes<'_> {
-    type Item = (Morton, usize);
+impl<G: Geometry> Iterator for Nodes<G> {
+    type Item = (Morton, u32);
 
     #[inline]
-    fn next(&mut self) -> Option<(Morton, usize)> {
-        let top = self.dag.depth().max(BRICK_LEVEL);
+    fn next(&mut self) -> Option<(Morton, u32)> {
+        let top = self.geometry.depth().max(BRICK_LEVEL);
         loop {
-            let (word, left) = self.open[self.level as usize];
+            let (node, left) = self.open[self.level as usize];
             // Go up where a node has no octant left.
             if left == 0 {
                 if self.level == top {
@@ -48,9 +49,9 @@ impl Iterator for Nodes<'_> {
             let octant = left.trailing_zeros();
             self.open[self.level as usize].1 = left & (left - 1);
             if self.bottom >= top {
-                return Some((Morton(0), self.dag.root()));
+                return Some((Morton(0), self.geometry.root()));
             }
-            let child = self.dag.child(word as usize, octant)?;
+            let child = self.geometry.child(node, self.level, octant)?;
             let level = self.level - 1;
             let shift = 3 * u32::from(level);
             self.code = (self.code >> shift & !7 | u64::from(octant)) << shift;
@@ -59,45 +60,45 @@ impl Iterator for Nodes<'_> {
             }
             // Go down.
             self.level = level;
-            self.open[level as usize] = (child as u32, self.dag.words()[child] as u8);
+            self.open[level as usize] = (child, self.geometry.mask(child, level));
         }
     }
 }
 
-/// Iterator over the bricks that hold a voxel: the code of their first voxel, and their mask. See [`Dag::bricks`].
+/// Iterator over the bricks that hold a voxel: the code of their first voxel, and their mask. See [`Geometry::bricks`].
 #[derive(Clone, Debug)]
-pub struct Bricks<'a>(Nodes<'a>);
+pub struct Bricks<G>(Nodes<G>);
 
-impl<'a> Bricks<'a> {
-    pub(super) fn new(dag: Dag<'a>) -> Self {
-        Bricks(Nodes::new(dag, BRICK_LEVEL))
+impl<G: Geometry> Bricks<G> {
+    pub(crate) fn new(geometry: G) -> Self {
+        Bricks(Nodes::new(geometry, BRICK_LEVEL))
     }
 }
 
-impl Iterator for Bricks<'_> {
+impl<G: Geometry> Iterator for Bricks<G> {
     type Item = (Morton, u64);
 
     #[inline]
     fn next(&mut self) -> Option<(Morton, u64)> {
-        self.0.next().map(|(code, word)| (code, self.0.dag.brick_at(word)))
+        self.0.next().map(|(code, brick)| (code, self.0.geometry.brick_at(brick)))
     }
 }
 
-/// Iterator over all filled voxels. See [`Dag::voxels`].
+/// Iterator over all filled voxels. See [`Geometry::voxels`].
 #[derive(Clone, Debug)]
-pub struct Voxels<'a> {
-    bricks: Bricks<'a>,
+pub struct Voxels<G> {
+    bricks: Bricks<G>,
     code: u64,
     mask: u64,
 }
 
-impl<'a> Voxels<'a> {
-    pub(super) fn new(bricks: Bricks<'a>) -> Self {
+impl<G: Geometry> Voxels<G> {
+    pub(crate) fn new(bricks: Bricks<G>) -> Self {
         Voxels { bricks, code: 0, mask: 0 }
     }
 }
 
-impl Iterator for Voxels<'_> {
+impl<G: Geometry> Iterator for Voxels<G> {
     type Item = Morton;
 
     fn next(&mut self) -> Option<Morton> {

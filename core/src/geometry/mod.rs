@@ -7,11 +7,16 @@
 //! Numbers of nodes are below 2^31. Queries are total: after the view's check no number that it gave out, asked for at its
 //! level, can panic. The answers depend on the voxels alone, so all layouts of the same voxels give the same pictures.
 
-use crate::dag::{BRICK_LEVEL, Dag};
+mod voxels;
+
+pub(crate) use voxels::Nodes;
+pub use voxels::{Bricks, Voxels};
+
+use crate::dag::{BRICK_LEVEL, Dag, HEADER, NODE, ONES};
 use crate::morton::Morton;
 
 /// A voxel geometry: an octree of depth L whose levels 0 and 1 are packed into bricks.
-pub trait Geometry: Copy + Sync {
+pub trait Geometry: Copy + Send + Sync + core::fmt::Debug {
     /// Octree levels L: the cube is 2^L voxels a side.
     fn depth(&self) -> u8;
 
@@ -21,6 +26,9 @@ pub trait Geometry: Copy + Sync {
     /// The root: a node of level L, or the one brick where L is at most 2. Meaningless if empty.
     fn root(&self) -> u32;
 
+    /// Whether a number is one of a node of `level`, so that asking for it cannot panic.
+    fn is_node(&self, node: u32, level: u8) -> bool;
+
     /// The child in `octant` (0 to 7) of a node of `level`, 3 or more; `None` if it is empty.
     fn child(&self, node: u32, level: u8, octant: u32) -> Option<u32>;
 
@@ -29,6 +37,21 @@ pub trait Geometry: Copy + Sync {
 
     /// The voxels of a brick in Morton order.
     fn brick_at(&self, brick: u32) -> u64;
+
+    /// A number that stands for an empty node of any level: it has no children, and its brick no voxel.
+    const EMPTY: u32 = u32::MAX;
+
+    /// [`Geometry::child`] of a node or of [`Geometry::EMPTY`]; the latter if there is none.
+    #[inline]
+    fn child_or_empty(&self, node: u32, level: u8, octant: u32) -> u32 {
+        if node == Self::EMPTY { Self::EMPTY } else { self.child(node, level, octant).unwrap_or(Self::EMPTY) }
+    }
+
+    /// [`Geometry::brick_at`] of a brick or of [`Geometry::EMPTY`].
+    #[inline]
+    fn brick_or_empty(&self, brick: u32) -> u64 {
+        if brick == Self::EMPTY { 0 } else { self.brick_at(brick) }
+    }
 
     /// The 4^3 voxels around `voxel` as a mask in Morton order (bit = low six bits of the code); 0 outside the cube.
     #[inline]
@@ -75,6 +98,16 @@ pub trait Geometry: Copy + Sync {
         }
         Some(u8::from(self.depth() > 0 && brick >> (voxel.0 & 56) & 0xff == 0))
     }
+
+    /// All filled voxels in Morton order.
+    fn voxels(self) -> Voxels<Self> {
+        Voxels::new(self.bricks())
+    }
+
+    /// All bricks that hold a voxel, in Morton order: the code of the brick's first voxel, and its mask.
+    fn bricks(self) -> Bricks<Self> {
+        Bricks::new(self)
+    }
 }
 
 impl Geometry for Dag<'_> {
@@ -93,6 +126,15 @@ impl Geometry for Dag<'_> {
         self.root() as u32
     }
 
+    fn is_node(&self, node: u32, level: u8) -> bool {
+        let nodes = self.level_start(level)..self.level_start(level + 1);
+        nodes.contains(&(node as usize))
+            && match level {
+                BRICK_LEVEL => node.is_multiple_of(2),
+                _ => self.words()[node as usize] & NODE != 0,
+            }
+    }
+
     #[inline]
     fn child(&self, node: u32, _: u8, octant: u32) -> Option<u32> {
         self.child(node as usize, octant).map(|child| child as u32)
@@ -105,6 +147,26 @@ impl Geometry for Dag<'_> {
 
     #[inline]
     fn brick_at(&self, brick: u32) -> u64 {
+        self.brick_at(brick as usize)
+    }
+
+    /// The two words at the end of the header, which are 0, as a node and as a brick.
+    const EMPTY: u32 = HEADER as u32 - 2;
+
+    /// Without a branch, as occupancy is hard to predict.
+    #[inline]
+    fn child_or_empty(&self, node: u32, _: u8, octant: u32) -> u32 {
+        let words = self.words();
+        let mask = words[node as usize] as usize;
+        let before = usize::from(ONES[mask << (8 - octant) & 0xff]);
+        let filled = mask >> octant & 1;
+        // Without a child this is word 0, the depth, which is below EMPTY as no child is.
+        let place = (node as usize + 1 + before) & filled.wrapping_neg();
+        words[place].max(Self::EMPTY)
+    }
+
+    #[inline]
+    fn brick_or_empty(&self, brick: u32) -> u64 {
         self.brick_at(brick as usize)
     }
 }
