@@ -1,7 +1,7 @@
 //! Ranks are what counting gives, whatever the scheme, the depth and the shape; words that are no counts are refused.
 
 use voxdag::build::DagBuilder;
-use voxdag::rank::{Prefix, RankError};
+use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix, RankError};
 use voxdag::{Dag, Morton, Rank};
 use voxdag_oracle::octree::{Recursive, VoxelSet, words_of};
 use voxdag_oracle::rng::Rng;
@@ -28,6 +28,10 @@ fn each_scheme(words: &[u32], check: impl Fn(&str, u64, &dyn Fn(u64) -> Option<u
     let counts = Prefix::build(&dag).unwrap();
     let prefix = Prefix::new(dag, &counts).unwrap();
     check("prefix", prefix.voxels(), &|code| prefix.rank(Morton(code)));
+    let offsets = OffsetsBuf::build(&dag).unwrap();
+    check("offsets", offsets.as_offsets().voxels(), &|code| offsets.as_offsets().rank(Morton(code)));
+    let moxels = MoxelDagBuf::build(&dag).unwrap();
+    check("moxel DAG", moxels.as_moxel_dag().voxels(), &|code| moxels.as_moxel_dag().rank(Morton(code)));
 }
 
 /// A DAG of the voxels by the library's builder.

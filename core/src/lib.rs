@@ -60,6 +60,9 @@ pub mod table;
 
 pub mod tree;
 
+#[cfg(feature = "alloc")]
+pub mod svo;
+
 pub mod rank;
 
 pub mod ranked;
@@ -79,6 +82,9 @@ pub mod shade;
 pub mod camera;
 
 pub mod render;
+
+// What the thesis counts.
+pub mod thesis;
 
 // At the rim: files, and a scene that comes along.
 pub mod file;

@@ -2,11 +2,21 @@
 //!
 //! In: a DAG. Out: counts beside it or within it, summed up along the path to a voxel. An array of values in Morton order,
 //! one a filled voxel, is then all that a material map needs ([`crate::ranked`]). Three schemes, which always agree:
-//! [`Prefix`] (beside the nodes; goes into files), [`Offsets`] (beside each pointer) and [`MoxelDag`] (counts of empty
-//! voxels). A cube of depth 21 has up to 2^63 voxels: counts of levels above [`NARROW`] take two words, all others one.
+//! [`Prefix`] (beside the nodes; goes into files), and with a heap `Offsets` (beside each pointer) and `MoxelDag` (counts of
+//! empty voxels). A cube of depth 21 has up to 2^63 voxels: counts of cubes above level 10 take two words, all others one.
 
+#[cfg(feature = "alloc")]
+mod copy;
+#[cfg(feature = "alloc")]
+mod moxel;
+#[cfg(feature = "alloc")]
+mod offsets;
 mod prefix;
 
+#[cfg(feature = "alloc")]
+pub use moxel::{MoxelDag, MoxelDagBuf};
+#[cfg(feature = "alloc")]
+pub use offsets::{Offsets, OffsetsBuf};
 pub use prefix::Prefix;
 
 use crate::morton::Morton;

@@ -5,11 +5,19 @@
 //! with or without normals). They know no geometry: an array fits any that has as many voxels.
 
 mod bits;
+mod moxels;
 mod packed;
+mod palette;
 
+pub use moxels::Moxels;
+#[cfg(feature = "alloc")]
+pub use moxels::MoxelsBuf;
 pub use packed::Packed;
 #[cfg(feature = "alloc")]
 pub use packed::PackedBuf;
+pub use palette::Palettes;
+#[cfg(feature = "alloc")]
+pub use palette::PalettesBuf;
 
 #[cfg(feature = "alloc")]
 use crate::build::BuildError;
