@@ -27,11 +27,11 @@ fn each_scheme(words: &[u32], check: impl Fn(&str, u64, &dyn Fn(u64) -> Option<u
     let dag = Dag::new(words).unwrap();
     let counts = Prefix::build(&dag).unwrap();
     let prefix = Prefix::new(dag, &counts).unwrap();
-    check("prefix", prefix.voxels(), &|code| prefix.rank(Morton(code)));
+    check("prefix", prefix.count(), &|code| prefix.rank(Morton(code)));
     let offsets = OffsetsBuf::build(&dag).unwrap();
-    check("offsets", offsets.as_offsets().voxels(), &|code| offsets.as_offsets().rank(Morton(code)));
+    check("offsets", offsets.as_offsets().count(), &|code| offsets.as_offsets().rank(Morton(code)));
     let moxels = MoxelDagBuf::build(&dag).unwrap();
-    check("moxel DAG", moxels.as_moxel_dag().voxels(), &|code| moxels.as_moxel_dag().rank(Morton(code)));
+    check("moxel DAG", moxels.as_moxel_dag().count(), &|code| moxels.as_moxel_dag().rank(Morton(code)));
 }
 
 /// A DAG of the voxels by the library's builder.

@@ -27,7 +27,7 @@ pub(crate) const NARROW: u8 = 10;
 /// What numbers the filled voxels of a geometry in Morton order.
 pub trait Rank: Copy + Sync {
     /// Number of filled voxels.
-    fn voxels(&self) -> u64;
+    fn count(&self) -> u64;
 
     /// Number of filled voxels with a smaller Morton code; `None` if the voxel is empty or outside the cube.
     fn rank(&self, voxel: Morton) -> Option<u64>;

@@ -112,7 +112,7 @@ impl Geometry for MoxelDag<'_> {
 }
 
 impl Rank for MoxelDag<'_> {
-    fn voxels(&self) -> u64 {
+    fn count(&self) -> u64 {
         self.0.voxels
     }
 

@@ -116,7 +116,7 @@ impl Geometry for Offsets<'_> {
 }
 
 impl Rank for Offsets<'_> {
-    fn voxels(&self) -> u64 {
+    fn count(&self) -> u64 {
         self.0.voxels
     }
 

@@ -128,7 +128,7 @@ impl<'a> Prefix<'a> {
     /// let built = builder.finish()?;
     /// let words = Prefix::build(&built.dag())?;
     /// let prefix = Prefix::new(built.dag(), &words).expect("the counts of this DAG");
-    /// assert_eq!((prefix.voxels(), prefix.rank(Morton(66)), prefix.rank(Morton(2))), (3, Some(2), None));
+    /// assert_eq!((prefix.count(), prefix.rank(Morton(66)), prefix.rank(Morton(2))), (3, Some(2), None));
     /// # Ok::<(), voxdag::build::BuildError>(())
     /// ```
     #[cfg(feature = "alloc")]
@@ -166,7 +166,7 @@ fn check_len(dag: &Dag<'_>, found: usize) -> Result<(), RankError> {
 }
 
 impl Rank for Prefix<'_> {
-    fn voxels(&self) -> u64 {
+    fn count(&self) -> u64 {
         self.voxels
     }
 

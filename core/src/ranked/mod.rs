@@ -57,7 +57,7 @@ pub struct Ranked<R, V> {
 impl<R: Rank, V: Values> Ranked<R, V> {
     /// Joins the two, which must be of equally many voxels.
     pub fn new(rank: R, values: V) -> Result<Ranked<R, V>, RankedError> {
-        let (expected, found) = (rank.voxels(), values.count());
+        let (expected, found) = (rank.count(), values.count());
         if expected != found {
             return Err(RankedError::Voxels { expected, found });
         }
