@@ -60,6 +60,13 @@ pub mod table;
 
 pub mod tree;
 
+#[cfg(feature = "alloc")]
+pub mod svo;
+
+pub mod rank;
+
+pub mod ranked;
+
 pub mod materials;
 
 #[cfg(feature = "alloc")]
@@ -76,6 +83,9 @@ pub mod camera;
 
 pub mod render;
 
+// What the thesis counts.
+pub mod thesis;
+
 // At the rim: files, and a scene that comes along.
 pub mod file;
 
@@ -89,6 +99,7 @@ pub use material::Material;
 pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use rank::Rank;
 pub use table::{Table, TableMut};
 pub use tree::Tree;
 
