@@ -56,6 +56,8 @@ pub mod dag;
 
 pub mod build;
 
+pub mod ssvdag;
+
 pub mod table;
 
 pub mod tree;
@@ -100,6 +102,7 @@ pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
 pub use rank::Rank;
+pub use ssvdag::Ssvdag;
 pub use table::{Table, TableMut};
 pub use tree::Tree;
 
