@@ -175,7 +175,7 @@ fn a_scene_has_a_table_or_a_tree() {
     }
     (words[1], words[2], words[7]) = (2, words.len() as u32, 5);
     mend(&mut words);
-    assert_eq!(file::read(&words).unwrap_err(), LoadError::TableAndTree);
+    assert_eq!(file::read(&words).unwrap_err(), LoadError::Conflict { first: Section::Table, second: Section::Tree });
 }
 
 /// The bytes in lines such as `0x0040  00 01 ..  what it is` of the document.
