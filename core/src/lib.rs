@@ -62,6 +62,12 @@ pub mod table;
 
 pub mod tree;
 
+pub mod svo;
+
+pub mod rank;
+
+pub mod ranked;
+
 pub mod materials;
 
 #[cfg(feature = "alloc")]
@@ -78,6 +84,9 @@ pub mod camera;
 
 pub mod render;
 
+// What the thesis counts.
+pub mod thesis;
+
 // At the rim: files, and a scene that comes along.
 pub mod file;
 
@@ -91,6 +100,7 @@ pub use material::Material;
 pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use rank::Rank;
 pub use ssvdag::Ssvdag;
 pub use table::{Table, TableMut};
 pub use tree::Tree;

@@ -238,6 +238,20 @@ impl<'a> Dag<'a> {
         if level <= BRICK_LEVEL { HEADER } else { self.words[level as usize - 1] as usize }
     }
 
+    /// The stored nodes of a level from 3: the offset of each one's mask word, and its children.
+    pub(crate) fn stored(&self, level: u8) -> impl Iterator<Item = (usize, &'a [u32])> {
+        let (words, end) = (self.words, self.level_start(level + 1));
+        let mut next = self.level_start(level);
+        core::iter::from_fn(move || {
+            let word = next;
+            if word >= end {
+                return None;
+            }
+            next += 1 + ONES[(words[word] & 0xff) as usize] as usize;
+            Some((word, &words[word + 1..next]))
+        })
+    }
+
     /// The mask of the brick whose low word is at `word`.
     #[inline]
     pub(crate) fn brick_at(&self, word: usize) -> u64 {
