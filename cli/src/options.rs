@@ -207,6 +207,10 @@ pub enum NormalsArg {
     Plane2,
     /// A plane through the 7^3 voxels around
     Plane3,
+    /// A plane through the 3^3 voxels around by weighted regressions, as in Pineda's thesis
+    Ernerfeldt1,
+    /// The same through the 5^3 voxels around
+    Ernerfeldt2,
 }
 
 impl NormalsArg {
@@ -224,6 +228,8 @@ impl NormalsArg {
             NormalsArg::Plane1 => NormalKind::Plane1,
             NormalsArg::Plane2 => NormalKind::Plane2,
             NormalsArg::Plane3 => NormalKind::Plane3,
+            NormalsArg::Ernerfeldt1 => NormalKind::Ernerfeldt1,
+            NormalsArg::Ernerfeldt2 => NormalKind::Ernerfeldt2,
         })
     }
 }
