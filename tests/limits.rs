@@ -226,7 +226,7 @@ fn d01_scenes_survive_refusals() {
             bounds,
             up: UpAxis::Y,
             metres_per_unit: 0.0,
-            dag: dag.dag(),
+            geometry: dag.dag().into(),
             voxel_materials: materials.as_materials(),
             materials: &[Material::GREY; 3],
             names: &["a", "b", "c"],

@@ -86,6 +86,11 @@ fn file() {
 }
 
 #[test]
+fn materials() {
+    replay("materials", 1500);
+}
+
+#[test]
 fn mtl() {
     replay("mtl", 5000);
 }
@@ -98,6 +103,16 @@ fn normals() {
 #[test]
 fn obj() {
     replay("obj", 5000);
+}
+
+#[test]
+fn ranks() {
+    replay("ranks", 1500);
+}
+
+#[test]
+fn ssvdag() {
+    replay("ssvdag", 500);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
+use voxdag::geometry::{AnyGeometry, Geometry};
 use voxdag::material::MaterialId;
 use voxdag::materials::Materials;
 use voxdag::math;
@@ -52,7 +53,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
             .hint("leave --samples or --show away"));
     }
     let start = Instant::now();
-    let (dag, normals) = (shown.dag, args.normals.kind(&shown.materials)?);
+    let (geometry, normals) = (shown.geometry, args.normals.kind(&shown.materials)?);
     // Pixels, the encoder's bytes, and the numbers.
     let mut pixels = picture::room(args.size, 12, memory)?;
     let mut values = Vec::new();
@@ -80,7 +81,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
     let spread = Spread::of(&values);
     if let Some(spread) = spread {
         let colour: &dyn Fn(f32) -> [f32; 3] = match show {
-            Show::Level => &|level| heat(part(level, 0.0..=f32::from(dag.depth()))),
+            Show::Level => &|level| heat(part(level, 0.0..=f32::from(geometry.depth()))),
             Show::Iterations => &|rounds| heat(part(rounds, 0.0..=spread.max as f32)),
             _ => &|depth| [1.0 - 0.85 * part(depth, spread.min as f32..=spread.max as f32); 3],
         };
@@ -108,12 +109,12 @@ fn look<T: Send>(
     shown: &Shown<'_>,
     args: &PictureArgs,
     out: &mut [T],
-    see: impl Fn(&Tracer<'_>, &Query, Option<&Hit>, u32) -> T + Sync,
+    see: impl Fn(&Tracer<'_, AnyGeometry<'_>>, &Query, Option<&Hit>, u32) -> T + Sync,
 ) -> Result<Counters> {
     let camera = picture::camera(shown, &args.camera)?;
     let arithmetic = args.arithmetic.kind();
-    let top = scene::top_grid(shown.dag)?;
-    let tracer = Tracer::with_top(shown.dag, top.as_top()).unwrap_or(Tracer::new(shown.dag));
+    let top = scene::top_grid(shown.geometry)?;
+    let tracer = Tracer::with_top(shown.geometry, top.as_top()).unwrap_or(Tracer::new(shown.geometry));
     picture::in_bands("drawing", args.size, out, |rows, out| {
         let mut counters = Counters::default();
         each_pixel(&camera, &shown.grid, args.size, rows, out, |pixel| {
@@ -137,9 +138,9 @@ fn distance(shown: &Shown<'_>, query: &Query, hit: Option<&Hit>) -> f32 {
 /// and 0 for an eye inside a voxel.
 fn level(shown: &Shown<'_>, hit: &Hit) -> u8 {
     match hit.from {
-        Some(voxel) => shown.dag.empty_level(voxel).unwrap_or(0),
+        Some(voxel) => shown.geometry.empty_level(voxel).unwrap_or(0),
         None if hit.face == Face::Inside => 0,
-        None => shown.dag.depth(),
+        None => shown.geometry.depth(),
     }
 }
 

@@ -56,9 +56,18 @@ pub mod dag;
 
 pub mod build;
 
+pub mod ssvdag;
+
 pub mod table;
 
 pub mod tree;
+
+#[cfg(feature = "alloc")]
+pub mod svo;
+
+pub mod rank;
+
+pub mod ranked;
 
 pub mod materials;
 
@@ -76,6 +85,9 @@ pub mod camera;
 
 pub mod render;
 
+// What the thesis counts.
+pub mod thesis;
+
 // At the rim: files, and a scene that comes along.
 pub mod file;
 
@@ -89,6 +101,8 @@ pub use material::Material;
 pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
+pub use rank::Rank;
+pub use ssvdag::Ssvdag;
 pub use table::{Table, TableMut};
 pub use tree::Tree;
 

@@ -104,6 +104,7 @@ impl<'a> AnyMaterials<'a> {
 }
 
 impl Materials for AnyMaterials<'_> {
+    #[inline]
     fn id(&self, voxel: Morton) -> MaterialId {
         match self {
             AnyMaterials::Single(single) => single.id(voxel),
@@ -112,6 +113,7 @@ impl Materials for AnyMaterials<'_> {
         }
     }
 
+    #[inline]
     fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
         match self {
             AnyMaterials::Single(single) => single.normal(voxel),

@@ -226,6 +226,11 @@ impl<'a> Dag<'a> {
         self.words[1]
     }
 
+    /// Bytes of the bricks.
+    pub fn brick_bytes(&self) -> u64 {
+        8 * u64::from(self.brick_count())
+    }
+
     /// Word offset of the root: a node, or the one brick where the depth is at most 2. Meaningless if empty.
     #[inline]
     pub(crate) fn root(&self) -> usize {
@@ -236,6 +241,20 @@ impl<'a> Dag<'a> {
     #[inline]
     pub(crate) fn level_start(&self, level: u8) -> usize {
         if level <= BRICK_LEVEL { HEADER } else { self.words[level as usize - 1] as usize }
+    }
+
+    /// The stored nodes of a level from 3: the offset of each one's mask word, and its children.
+    pub(crate) fn stored(&self, level: u8) -> impl Iterator<Item = (usize, &'a [u32])> {
+        let (words, end) = (self.words, self.level_start(level + 1));
+        let mut next = self.level_start(level);
+        core::iter::from_fn(move || {
+            let word = next;
+            if word >= end {
+                return None;
+            }
+            next += 1 + ONES[(words[word] & 0xff) as usize] as usize;
+            Some((word, &words[word + 1..next]))
+        })
     }
 
     /// The mask of the brick whose low word is at `word`.

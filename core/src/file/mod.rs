@@ -27,6 +27,7 @@ pub use names::Name;
 pub use write::{Parts, WriteError};
 
 use crate::dag::Dag;
+use crate::geometry::{AnyGeometry, Geometry};
 use crate::grid::{Bounds, Grid, UpAxis};
 use crate::material::{Material, MaterialId};
 use crate::materials::{AnyMaterials, Single};
@@ -56,9 +57,9 @@ pub struct Scene<'a> {
     pub up: UpAxis,
     /// Metres per world unit; 0 if nobody said.
     pub metres_per_unit: f64,
-    /// The filled voxels. Its depth is the grid's; filled voxels beyond the resolution, within the cube of 2^depth,
+    /// The filled voxels. Their depth is the grid's; filled voxels beyond the resolution, within the cube of 2^depth,
     /// are not looked for: they do no harm.
-    pub dag: Dag<'a>,
+    pub geometry: AnyGeometry<'a>,
     /// Which material a voxel has. That its entries are the DAG's voxels is not checked: missing ones have material 0.
     pub materials: AnyMaterials<'a>,
     records: &'a [[u32; RECORD]],
@@ -116,7 +117,7 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
     let metres_per_unit = f64_at(header, 28);
 
     // The sections.
-    let dag = Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?;
+    let geometry = AnyGeometry::Dag(Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?);
     let (table, tree) = (sections[Section::Table as usize], sections[Section::Tree as usize]);
     let materials = match (table, tree, MaterialId::try_from(header[6])) {
         (Some(_), Some(_), _) => return Err(LoadError::TableAndTree),
@@ -131,11 +132,11 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
         return Err(LoadError::MaterialCount { found: (records.len() * RECORD + rest.len()) as u64 });
     }
     let names = Names::new(required(Section::Names)?, records.len())?;
-    check(&grid, &bounds, metres_per_unit, dag, materials, records.len())?;
+    check(&grid, &bounds, metres_per_unit, geometry, materials, records.len())?;
     for (index, record) in records.iter().enumerate() {
         check_record(index as u32, record)?;
     }
-    Ok(Scene { grid, bounds, up, metres_per_unit, dag, materials, records, names })
+    Ok(Scene { grid, bounds, up, metres_per_unit, geometry, materials, records, names })
 }
 
 /// The words of a file's bytes. Its length and first bytes are checked here, the rest by [`read`].
@@ -204,7 +205,7 @@ fn check(
     grid: &Grid,
     bounds: &Bounds,
     metres_per_unit: f64,
-    dag: Dag<'_>,
+    geometry: AnyGeometry<'_>,
     materials: AnyMaterials<'_>,
     count: usize,
 ) -> Result<(), LoadError> {
@@ -215,13 +216,13 @@ fn check(
     if !(metres_per_unit >= 0.0 && metres_per_unit.is_finite()) {
         return Err(LoadError::Unit);
     }
-    if dag.depth() != grid.depth() {
-        return Err(LoadError::Depth { expected: grid.depth(), found: dag.depth() });
+    if geometry.depth() != grid.depth() {
+        return Err(LoadError::Depth { expected: grid.depth(), found: geometry.depth() });
     }
     if let AnyMaterials::Tree(tree) = materials
-        && tree.depth() != dag.depth()
+        && tree.depth() != geometry.depth()
     {
-        return Err(LoadError::TreeDepth { expected: dag.depth(), found: tree.depth() });
+        return Err(LoadError::TreeDepth { expected: geometry.depth(), found: tree.depth() });
     }
     if count == 0 || count > 1 << 16 {
         return Err(LoadError::MaterialCount { found: (count * RECORD) as u64 });

@@ -3,7 +3,7 @@
 
 use super::error::{LoadError, Section};
 use super::{HEADER, MAGIC, RECORD, ROW, check, check_material, crc, encode_material};
-use crate::dag::Dag;
+use crate::geometry::AnyGeometry;
 use crate::grid::UpAxis;
 use crate::grid::{Bounds, Grid};
 use crate::material::Material;
@@ -21,7 +21,7 @@ pub struct Parts<'a> {
     /// Metres per world unit; 0 if nobody said.
     pub metres_per_unit: f64,
     /// The filled voxels.
-    pub dag: Dag<'a>,
+    pub geometry: AnyGeometry<'a>,
     /// Which material a voxel has.
     pub voxel_materials: AnyMaterials<'a>,
     /// The materials, 1 to 65,536.
@@ -84,7 +84,7 @@ impl<'a> Parts<'a> {
     /// The words that follow the head, as they are: those of the DAG, then those of the table or the tree (none with a
     /// single material).
     pub fn body(&self) -> [&'a [u32]; 2] {
-        [self.dag.words(), self.voxel_materials.words()]
+        [self.geometry.words(), self.voxel_materials.words()]
     }
 
     /// Words of the whole file: head and body.
@@ -178,7 +178,7 @@ impl<'a> Parts<'a> {
             return Err(WriteError::Names { found: self.names.len() as u64 });
         }
         let count = self.materials.len();
-        check(&self.grid, &self.bounds, self.metres_per_unit, self.dag, self.voxel_materials, count)
+        check(&self.grid, &self.bounds, self.metres_per_unit, self.geometry, self.voxel_materials, count)
             .map_err(WriteError::Invalid)?;
         for (index, material) in self.materials.iter().enumerate() {
             check_material(index as u32, material).map_err(WriteError::Invalid)?;

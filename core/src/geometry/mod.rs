@@ -7,8 +7,10 @@
 //! Numbers of nodes are below 2^31. Queries are total: after the view's check no number that it gave out, asked for at its
 //! level, can panic. The answers depend on the voxels alone, so all layouts of the same voxels give the same pictures.
 
+mod any;
 mod voxels;
 
+pub use any::AnyGeometry;
 pub(crate) use voxels::Nodes;
 pub use voxels::{Bricks, Voxels};
 

@@ -77,7 +77,15 @@ fn file(
         AnyMaterials::Single(_) => AnyMaterials::Single(Single(1)),
         kept => kept,
     };
-    let parts =
-        Parts { grid, bounds, up, metres_per_unit: 0.01, dag: built.dag.dag(), voxel_materials, materials, names };
+    let parts = Parts {
+        grid,
+        bounds,
+        up,
+        metres_per_unit: 0.01,
+        geometry: built.dag.dag().into(),
+        voxel_materials,
+        materials,
+        names,
+    };
     parts.to_vec().map_err(|e| format!("the file cannot be written: {e}"))
 }

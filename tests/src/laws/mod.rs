@@ -5,9 +5,12 @@
 
 mod dag_builder;
 mod file;
+mod materials;
 mod mtl;
 mod normals;
 mod obj;
+mod ranks;
+mod ssvdag;
 mod table;
 mod traversal;
 mod tree;
@@ -15,9 +18,12 @@ mod triangulation;
 
 pub use dag_builder::dag_builder;
 pub use file::file;
+pub use materials::materials;
 pub use mtl::mtl;
 pub use normals::normals;
 pub use obj::obj;
+pub use ranks::ranks;
+pub use ssvdag::{says_the_same, ssvdag};
 pub use table::table;
 pub use traversal::traversal;
 pub use tree::tree;
@@ -27,12 +33,15 @@ pub use triangulation::triangulation;
 pub type Law = fn(&[u8]);
 
 /// Every law by the name of its fuzz target.
-pub const ALL: [(&str, Law); 9] = [
+pub const ALL: [(&str, Law); 12] = [
     ("dag_builder", dag_builder),
     ("file", file),
+    ("materials", materials),
     ("mtl", mtl),
     ("normals", normals),
     ("obj", obj),
+    ("ranks", ranks),
+    ("ssvdag", ssvdag),
     ("table", table),
     ("traversal", traversal),
     ("tree", tree),

@@ -73,7 +73,8 @@ impl SelfSimilar {
         words_of(self, self.depth, Some(&0))
     }
 
-    fn octant(&self, rule: u8, octant: u32) -> Option<u8> {
+    /// The rule of an octant of a cube that obeys `rule`; `None` if it is empty.
+    pub(super) fn octant(&self, rule: u8, octant: u32) -> Option<u8> {
         let Rule { mask, octants } = &self.rules[usize::from(rule)];
         (mask >> octant & 1 != 0).then_some((octants >> (4 * octant) & 15) as u8 % self.rules.len() as u8)
     }

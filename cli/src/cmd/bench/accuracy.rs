@@ -10,9 +10,11 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use voxdag::Geometry;
 use voxdag::build::DagBuf;
 use voxdag::camera::Camera;
 use voxdag::grid::{Bounds, UpAxis};
+use voxdag::match_geometry;
 use voxdag::materials::Single;
 use voxdag::math::{cross, dot, sqrt, sub};
 use voxdag::normal::{NormalKind, normal};
@@ -116,7 +118,7 @@ pub fn run(run: &Run, scene: &Shown<'_>, source: Option<&Source>) -> Result<()> 
         repeat: run.repeat,
         threads: run.threads,
         overlap: source.map(|source| overlap(run, source, &scene.grid)).transpose()?,
-        tracing: tracing(run, scene)?,
+        tracing: match_geometry!(scene.geometry, geometry => tracing(run, scene, geometry))?,
         normals: normals(run)?,
     };
     report::result(run.report.json, &report, &lines(&report))
@@ -218,14 +220,14 @@ fn near(triangles: &[[[f64; 3]; 3]], grid: &Grid) -> Vec<Near> {
     near
 }
 
-fn tracing(run: &Run, scene: &Shown<'_>) -> Result<Tracing> {
+fn tracing<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G) -> Result<Tracing> {
     let all = rays::primary(run, scene)?;
     let some: Vec<Query> = all.iter().step_by(all.len().div_ceil(RAYS)).copied().collect();
-    let top = rays::top_grid(scene.dag)?;
-    let tracer = rays::tracer(scene.dag, &top)?;
+    let top = rays::top_grid(geometry)?;
+    let tracer = rays::tracer(geometry, &top)?;
     let by = |arithmetic| move |q: &Query| tracer.trace(arithmetic, q).map(|hit| hit.voxel);
     let (exact, f64) = (by(Arithmetic::Exact), by(Arithmetic::F64));
-    let f32 = |q: &Query| textbook(scene.dag, q);
+    let f32 = |q: &Query| textbook(geometry, q);
     let fold = |voxel: Option<Morton>| voxel.map_or(1, |v| v.0);
     let times = measure(
         run.repeat,
@@ -245,10 +247,10 @@ fn tracing(run: &Run, scene: &Shown<'_>) -> Result<Tracing> {
     })
 }
 
-fn textbook(dag: Dag<'_>, query: &Query) -> Option<Morton> {
+fn textbook(geometry: impl Geometry, query: &Query) -> Option<Morton> {
     let [origin, dir] = [query.origin, query.dir].map(|v| v.map(|x| x as f32));
-    let filled = |v| Morton::encode(v).is_some_and(|v| dag.contains(v));
-    dda_f32(origin, dir, dag.depth(), filled).and_then(Morton::encode)
+    let filled = |v| Morton::encode(v).is_some_and(|v| geometry.contains(v));
+    dda_f32(origin, dir, geometry.depth(), filled).and_then(Morton::encode)
 }
 
 /// A shape in a grid of side [`SIDE`], and the normal of its surface nearest to a point.

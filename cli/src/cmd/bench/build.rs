@@ -66,7 +66,7 @@ pub fn run(run: &Run, source: &Source) -> Result<()> {
     let built = scene::build(source, &run.build, &mut run.machine().memory())?;
     let (grid, voxels) = (built.grid, built.stats.voxels);
     drop(built);
-    let options = scene::options(&run.build, None);
+    let options = scene::options(&run.build, scene::mode(&run.build), None);
     let defect = |error: &dyn std::fmt::Display| Error::new(Kind::Failure, error);
 
     // What the stages leave: a voxeliser, bricks and DAGs of its subtrees, and the same with materials.

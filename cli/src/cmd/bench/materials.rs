@@ -1,6 +1,7 @@
 //! `voxdag bench materials`: time per look-up of a voxel's material.
 
 use serde::Serialize;
+use voxdag::Geometry;
 use voxdag::Morton;
 use voxdag::materials::{AnyMaterials, Materials};
 use voxdag_oracle::rng::Rng;
@@ -43,8 +44,8 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
         AnyMaterials::Single(single) => with(run, scene, single, "single", None),
         AnyMaterials::Tree(tree) => with(run, scene, tree, "tree", None),
         AnyMaterials::Table(table) => {
-            let probes: u64 = scene.dag.voxels().map(|v| u64::from(table.probes(v))).sum();
-            let mean = probes as f64 / scene::count(scene.dag)?.voxels.max(1) as f64;
+            let probes: u64 = scene.geometry.voxels().map(|v| u64::from(table.probes(v))).sum();
+            let mean = probes as f64 / scene::count(scene.geometry)?.voxels.max(1) as f64;
             with(run, scene, table, "table", Some(Probes { mean, max: table.longest_probe() }))
         }
     }
@@ -57,10 +58,9 @@ fn with<M: Materials>(
     kind: &'static str,
     probes: Option<Probes>,
 ) -> Result<()> {
-    let dag = scene.dag;
     let hits: Vec<_> = rays::seen(run, scene)?.iter().map(|f| f.hit.voxel).collect();
-    let voxels = scene::count(dag)?.voxels;
-    let mut scattered: Vec<_> = dag.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
+    let voxels = scene::count(scene.geometry)?.voxels;
+    let mut scattered: Vec<_> = scene.geometry.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
     Rng::new(3).shuffle(&mut scattered);
 
     let look_up = |voxels| Arm::each(voxels, move |v: &Morton| u64::from(materials.id(*v)));

@@ -1,7 +1,8 @@
 //! `voxdag bench normals`: time per normal at the hits of a picture.
 
 use serde::Serialize;
-use voxdag::materials::{AnyMaterials, Materials};
+use voxdag::Geometry;
+use voxdag::match_geometry;
 use voxdag::normal::{NormalKind, normal};
 
 use super::rays::Found;
@@ -32,17 +33,12 @@ struct Report {
 
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
-    let found = rays::seen(run, scene)?;
-    match scene.materials {
-        AnyMaterials::Single(materials) => with(run, scene, materials, &found),
-        AnyMaterials::Table(materials) => with(run, scene, materials, &found),
-        AnyMaterials::Tree(materials) => with(run, scene, materials, &found),
-    }
+    match_geometry!(scene.geometry, geometry => with(run, scene, geometry, &rays::seen(run, scene)?))
 }
 
-fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found]) -> Result<()> {
-    let top = rays::top_grid(scene.dag)?;
-    let tracer = rays::tracer(scene.dag, &top)?;
+fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G, found: &[Found]) -> Result<()> {
+    let top = rays::top_grid(geometry)?;
+    let (tracer, materials) = (rays::tracer(geometry, &top)?, scene.materials);
     let kind = |kind| {
         Arm::each(found, move |f: &Found| {
             let n = normal(&tracer, materials, &f.hit, f.dir, kind).direction;
