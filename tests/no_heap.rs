@@ -65,7 +65,13 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
                 hits += tracer.hits(&query).count() as u64 + query.voxels(7).count() as u64;
                 if let Some(hit) = tracer.trace(Arithmetic::Exact, &query) {
                     assert_eq!(scene.materials.id(hit.voxel), 0);
-                    for kind in [NormalKind::Face, NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane3] {
+                    for kind in [
+                        NormalKind::Face,
+                        NormalKind::Gradient,
+                        NormalKind::Plane1,
+                        NormalKind::Plane3,
+                        NormalKind::Ernerfeldt2,
+                    ] {
                         normal(&Tracer::new(scene.geometry), scene.materials, &hit, query.dir, kind);
                     }
                 }

@@ -13,7 +13,7 @@ use voxdag::geometry::AnyGeometry;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
-use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};
+use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
 use voxdag::trace::Tracer;
 use voxdag::{Grid, Material, match_geometry};
@@ -36,6 +36,8 @@ pub struct Picture {
     pub rays: Rays,
     /// Primary rays that hit a voxel.
     pub hits: u64,
+    /// Share of the pixels that took all samples, where these are more than one.
+    pub supersampled: f64,
     /// Names of what the scene called for.
     pub effects: Vec<&'static str>,
     pub trace: Duration,
@@ -63,16 +65,16 @@ pub struct Shown<'a> {
 /// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
 const BAND: usize = 4;
 
-/// Draws on the threads of the current pool.
-pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Picture> {
+/// Draws on the threads of the current pool; on demand with red on the pixels that take all samples.
+pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memory: &Memory) -> Result<Picture> {
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
     let mut pixels = room(args.size, 8, memory)?;
 
     let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
-    let settings = settings(scene, args)?;
     let start = Instant::now();
+    let settings = Settings { mark_supersampled, ..settings(scene, &camera, args)? };
     // One kernel for each layout of voxels, chosen once; materials are matched at each hit, which costs nothing measurable.
     let counters = match_geometry!(scene.geometry, geometry => {
         // The grid pays for itself after some thousand rays.
@@ -90,6 +92,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Pi
         pixels,
         rays: Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary },
         hits: counters.hits,
+        supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
         effects: if highlights { vec!["highlights"] } else { Vec::new() },
         trace: start.elapsed(),
     })
@@ -150,11 +153,12 @@ fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> 
     args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color }).collect()
 }
 
-fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
+fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
-        samples: args.samples.unwrap_or(Samples::Four),
+        samples: args.samples()?,
+        supersample: args.supersample(scene.geometry, camera),
         normals: args.normals.kind(&scene.materials)?,
         arithmetic: args.arithmetic.kind(),
         ambient: args.ambient,

@@ -36,6 +36,8 @@ pub enum Show {
     Iterations,
     /// A colour per material
     Material,
+    /// The scene in its light, with red on the pixels that --supersample chooses
+    Samples,
 }
 
 /// The numbers behind a picture's colours.
@@ -46,11 +48,13 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// Draws anything but [`Show::Shaded`] on the threads of the current pool; the numbers, where there are some.
+/// Draws what is not shaded on the threads of the current pool; the numbers, where there are some.
 pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) -> Result<(Picture, Option<Spread>)> {
-    if args.samples.is_some() {
-        return Err(Error::usage("--samples: a picture that is not shaded has one ray per pixel")
-            .hint("leave --samples or --show away"));
+    for (given, flag) in [(args.samples.is_some(), "--samples"), (args.supersample.is_some(), "--supersample")] {
+        if given {
+            return Err(Error::usage(format_args!("{flag}: a picture that is not shaded has one ray per pixel"))
+                .hint(format!("leave {flag} or --show away")));
+        }
     }
     let start = Instant::now();
     let (geometry, normals) = (shown.geometry, args.normals.kind(&shown.materials)?);
@@ -92,7 +96,9 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
     let [width, height] = args.size;
     let rays = Rays { primary: counters.primary, shadow: 0, secondary: 0 };
     let (hits, trace) = (counters.hits, start.elapsed());
-    Ok((Picture { width, height, samples: 1, pixels, rays, hits, effects: Vec::new(), trace }, spread))
+    let picture =
+        Picture { width, height, samples: 1, pixels, rays, hits, supersampled: 0.0, effects: Vec::new(), trace };
+    Ok((picture, spread))
 }
 
 /// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is

@@ -94,6 +94,8 @@ struct Normals {
     plane1: Degrees,
     plane2: Degrees,
     plane3: Degrees,
+    ernerfeldt1: Degrees,
+    ernerfeldt2: Degrees,
 }
 
 /// How far normals of a kind are off, on average.
@@ -314,7 +316,15 @@ fn normals(run: &Run) -> Result<Normals> {
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };
-    let kinds = [NormalKind::Face, NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3];
+    let kinds = [
+        NormalKind::Face,
+        NormalKind::Gradient,
+        NormalKind::Plane1,
+        NormalKind::Plane2,
+        NormalKind::Plane3,
+        NormalKind::Ernerfeldt1,
+        NormalKind::Ernerfeldt2,
+    ];
     let times = measure(run.repeat, kinds.map(arm))?;
     let degrees = |i: usize| {
         let of = |shape: usize| known[shape].degrees(kinds[i], &found[shape]);
@@ -333,6 +343,8 @@ fn normals(run: &Run) -> Result<Normals> {
         plane1: degrees(2),
         plane2: degrees(3),
         plane3: degrees(4),
+        ernerfeldt1: degrees(5),
+        ernerfeldt2: degrees(6),
     })
 }
 
@@ -364,6 +376,8 @@ fn lines(report: &Report) -> Lines {
         ("plane1", &n.plane1),
         ("plane2", &n.plane2),
         ("plane3", &n.plane3),
+        ("ernerfeldt1", &n.ernerfeldt1),
+        ("ernerfeldt2", &n.ernerfeldt2),
     ];
     for (name, d) in kinds {
         lines.row(

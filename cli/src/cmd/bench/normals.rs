@@ -25,6 +25,8 @@ struct Report {
     plane1: Cost,
     plane2: Cost,
     plane3: Cost,
+    ernerfeldt1: Cost,
+    ernerfeldt2: Cost,
     /// Where the scene keeps normals.
     stored: Option<Cost>,
 }
@@ -43,7 +45,7 @@ fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G, found: &[Found])
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };
-    let [face, gradient, plane1, plane2, plane3, stored] = measure(
+    let [face, gradient, plane1, plane2, plane3, ernerfeldt1, ernerfeldt2, stored] = measure(
         run.repeat,
         [
             kind(NormalKind::Face),
@@ -51,6 +53,8 @@ fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G, found: &[Found])
             kind(NormalKind::Plane1),
             kind(NormalKind::Plane2),
             kind(NormalKind::Plane3),
+            kind(NormalKind::Ernerfeldt1),
+            kind(NormalKind::Ernerfeldt2),
             kind(if scene.has_normals() { NormalKind::Stored } else { NormalKind::Face }),
         ],
     )?;
@@ -65,6 +69,8 @@ fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G, found: &[Found])
         plane1: cost(&plane1),
         plane2: cost(&plane2),
         plane3: cost(&plane3),
+        ernerfeldt1: cost(&ernerfeldt1),
+        ernerfeldt2: cost(&ernerfeldt2),
         stored: scene.has_normals().then(|| cost(&stored)),
     };
     report::result(run.report.json, &report, &lines(&report))
@@ -80,6 +86,8 @@ fn lines(report: &Report) -> Lines {
         ("plane1", &report.plane1),
         ("plane2", &report.plane2),
         ("plane3", &report.plane3),
+        ("ernerfeldt1", &report.ernerfeldt1),
+        ("ernerfeldt2", &report.ernerfeldt2),
     ];
     for (name, cost) in kinds.into_iter().chain(report.stored.as_ref().map(|cost| ("stored", cost))) {
         lines.row(name, cost.text());
