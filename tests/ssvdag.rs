@@ -237,8 +237,6 @@ fn exercise(words: &[u32]) -> bool {
     let Ok(ssvdag) = Ssvdag::new(words) else { return false };
     assert!(ssvdag.voxels().take(300).all(|voxel| ssvdag.contains(voxel)));
     ssvdag.stats().unwrap();
-    let mut totals = vec![0; ssvdag.stored()];
-    ssvdag.totals_into(&mut totals).unwrap();
     for code in [0, 77, 1 << 20, u64::MAX] {
         ssvdag.empty_level(Morton(code));
     }
@@ -330,7 +328,7 @@ fn numbers_of_nodes() {
     for level in (2..=6).rev() {
         assert!(nodes.iter().all(|&node| node < 1 << 31 && ssvdag.is_node(node, level)));
         assert!(!ssvdag.is_node(ssvdag.node_count(level), level) && !ssvdag.is_node(u32::MAX, level));
-        let mut seen: Vec<usize> = nodes.iter().map(|&node| ssvdag.index(node, level)).collect();
+        let mut seen: Vec<u32> = nodes.iter().map(|&node| Ssvdag::number(node)).collect();
         seen.sort();
         seen.dedup();
         assert_eq!(seen.len(), ssvdag.node_count(level) as usize, "every stored node of level {level} is in use");
@@ -354,6 +352,6 @@ fn counts_take_what_they_say() {
     let built = build(&set.words(5));
     let stored = built.ssvdag().stored();
     assert!(built.ssvdag().stats_into(&mut vec![0; stored + 1]).is_none());
-    assert!(built.ssvdag().totals_into(&mut vec![0; stored - 1]).is_none());
+    assert!(built.ssvdag().stats_into(&mut vec![0; stored - 1]).is_none());
     assert!(built.ssvdag().stats_into(&mut vec![7; stored]).is_some());
 }

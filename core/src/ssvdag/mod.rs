@@ -243,6 +243,13 @@ impl<'a> Ssvdag<'a> {
         if (BRICK_LEVEL..=self.depth.max(BRICK_LEVEL)).contains(&level) { self.row(level).nodes } else { 0 }
     }
 
+    /// The number of a stored node or brick within its level, below [`Ssvdag::node_count`]: the same in whatever mirror it is
+    /// seen. What is kept for each stored node (rank's totals) is found by it.
+    #[inline]
+    pub fn number(node: u32) -> u32 {
+        node % MOST
+    }
+
     /// The header's row of a level from 2 to the root's.
     #[inline(always)]
     fn row(&self, level: u8) -> Row {
