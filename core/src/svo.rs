@@ -36,7 +36,7 @@ pub struct Svo<'a> {
 /// assert_eq!(svo.as_svo().words().len(), 24 + 2 * 2 + 2); // two equal bricks, and the root
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SvoBuf {
     words: Vec<u32>,
 }

@@ -18,7 +18,7 @@ pub(super) struct Nodes<'a> {
 }
 
 /// Nodes with counts that own their words.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct NodesBuf {
     words: Vec<u32>,
     voxels: u64,

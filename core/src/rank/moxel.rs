@@ -35,7 +35,7 @@ const fn volume(level: u8) -> u64 {
 pub struct MoxelDag<'a>(Nodes<'a>);
 
 /// A moxel DAG that owns its words.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MoxelDagBuf(NodesBuf);
 
 impl MoxelDagBuf {

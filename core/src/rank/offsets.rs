@@ -40,7 +40,7 @@ pub struct Offsets<'a>(Nodes<'a>);
 /// assert!(built.as_offsets().contains(Morton(66)));
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct OffsetsBuf(NodesBuf);
 
 impl OffsetsBuf {

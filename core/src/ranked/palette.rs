@@ -85,7 +85,7 @@ impl<'a> Palettes<'a> {
             let Some(block) = words.get(next..next + indices) else {
                 return Err(RankedError::Length { expected: (next + indices) as u64, found });
             };
-            let filled = (count - (i * BLOCK) as u64).min(BLOCK as u64);
+            let filled = (count - i as u64 * BLOCK as u64).min(BLOCK as u64);
             let mut ids = 0;
             for k in 0..BLOCK as u64 {
                 let index = bits::get(block, k, width);
