@@ -162,6 +162,18 @@ fn palette_words_that_mean_nothing_are_refused() {
     assert_eq!(with(5, 1 << 16), RankedError::Header { word: 2 });
     assert_eq!(with(6, words[6] | 3), RankedError::Value { word: 6 }); // index 3 of three
     assert_eq!(with(23, 8 | 1 << 16), RankedError::Value { word: 23 });
+    // 65536 is no id, whatever the header says.
+    let single = |id: u32| Palettes::new(&[1, 0, id, 0, id]).map(|palettes| palettes.max_material());
+    assert_eq!((single(65535), single(65536)), (Ok(65535), Err(RankedError::Header { word: 2 })));
+    // Two voxels of two ids: an index behind them, and more bits than two ids ask for.
+    let two = |indices: &[u32]| {
+        let width = indices.len() as u32 / 8;
+        Palettes::new(&[&[2, 0, 5, 0, width << 28], indices, &[3 | 5 << 16]].concat()).map(|palettes| palettes.id(1))
+    };
+    assert_eq!(two(&[2, 0, 0, 0, 0, 0, 0, 0]), Ok(5));
+    assert_eq!(two(&[2 | 1 << 31, 0, 0, 0, 0, 0, 0, 0]), Err(RankedError::Value { word: 5 }));
+    assert_eq!(two(&[2, 0, 0, 0, 0, 0, 1, 0]), Err(RankedError::Value { word: 11 }));
+    assert_eq!(two(&[&[1 << 2][..], &[0; 15]].concat()), Err(RankedError::Value { word: 4 }));
     assert_eq!(Palettes::new(&words[..22]).unwrap_err(), RankedError::Length { expected: 24, found: 22 });
     assert_eq!(Palettes::new(&words[..10]).unwrap_err(), RankedError::Length { expected: 22, found: 10 });
 }
