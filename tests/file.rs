@@ -1,6 +1,7 @@
 //! Laws of the `.vxd` file: it comes back as it was written, version 1 loads for ever, `docs/format.md` shows the truth,
 //! and whatever words are read either are refused or make a scene that is safe to use.
 
+use voxdag::Geometry;
 use voxdag::dag::{Dag, DagError};
 use voxdag::file::{self, LoadError, Parts, Scene, Section, WriteError};
 use voxdag::grid::UpAxis;
@@ -46,7 +47,7 @@ fn parts<'a>(dag: &'a [u32], table: Option<&'a [u32]>, materials: &'a [Material]
         bounds: Bounds { min: [-1.0, 0.0, 2.5], max: [1.0, 2.0, 4.5] },
         up: UpAxis::Z,
         metres_per_unit: 0.001,
-        dag: Dag::new(dag).unwrap(),
+        geometry: Dag::new(dag).unwrap().into(),
         voxel_materials: match table {
             Some(words) => AnyMaterials::Table(Table::new(words).unwrap()),
             None => AnyMaterials::Single(Single(1)),
@@ -68,7 +69,7 @@ fn assert_tiny(scene: &Scene<'_>) {
     assert_eq!(scene.grid, Grid { origin: [-1.0, 0.0, 2.5], voxel_size: 0.5, resolution: 4 });
     assert_eq!(scene.bounds, Bounds { min: [-1.0, 0.0, 2.5], max: [1.0, 2.0, 4.5] });
     assert_eq!((scene.up, scene.metres_per_unit), (UpAxis::Z, 0.001));
-    assert_eq!(scene.dag.voxels().map(Morton::decode).collect::<Vec<_>>(), VOXELS);
+    assert_eq!(scene.geometry.voxels().map(Morton::decode).collect::<Vec<_>>(), VOXELS);
     let ids = |p| scene.materials.id(Morton::encode(p).unwrap());
     assert_eq!(VOXELS.map(ids), [0, 0, 1]);
     assert_eq!(ids([2, 2, 2]), 0, "a voxel that is not there has material 0");
@@ -101,8 +102,8 @@ fn mend(words: &mut [u32]) {
 
 /// Asks a scene everything there is to ask.
 fn use_it(scene: &Scene<'_>) {
-    assert!(scene.grid.checked().is_ok() && scene.grid.depth() == scene.dag.depth());
-    for voxel in scene.dag.voxels().take(100).chain([Morton(u64::MAX)]) {
+    assert!(scene.grid.checked().is_ok() && scene.grid.depth() == scene.geometry.depth());
+    for voxel in scene.geometry.voxels().take(100).chain([Morton(u64::MAX)]) {
         let id = scene.materials.id(voxel);
         assert!(usize::from(id) < scene.material_count());
         assert!(scene.material(id).checked().is_ok());
@@ -174,7 +175,7 @@ fn a_scene_has_a_table_or_a_tree() {
     }
     (words[1], words[2], words[7]) = (2, words.len() as u32, 5);
     mend(&mut words);
-    assert_eq!(file::read(&words).unwrap_err(), LoadError::TableAndTree);
+    assert_eq!(file::read(&words).unwrap_err(), LoadError::Conflict { first: Section::Table, second: Section::Tree });
 }
 
 /// The bytes in lines such as `0x0040  00 01 ..  what it is` of the document.
@@ -228,7 +229,7 @@ fn head_and_body_are_the_file() {
     let mut head = vec![u32::MAX; parts.head_len() as usize + 5];
     let written = parts.write_head(&mut head).unwrap();
     assert_eq!(written as u64, parts.head_len());
-    let whole = [&head[..written], parts.body()[0], parts.body()[1]].concat();
+    let whole = [&head[..written], &parts.body().concat()].concat();
     assert_eq!(whole, parts.to_vec().unwrap());
     assert_eq!(whole.len() as u64, parts.file_len());
     let needed = whole.len();
@@ -283,8 +284,8 @@ fn files_of_other_kinds_are_named() {
     }
     assert_eq!(file::words_from_bytes(&bytes(&words)).as_deref(), Ok(&words[..]));
     let mut later = words;
-    later[1] = 3;
-    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: 3 });
+    later[1] = file::VERSION + 1;
+    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: file::VERSION + 1 });
 }
 
 #[test]

@@ -247,8 +247,8 @@ fn d01_scenes_survive_refusals() {
             bounds,
             up: UpAxis::Y,
             metres_per_unit: 0.0,
-            dag: dag.dag(),
-            voxel_materials: materials.as_materials(),
+            geometry: dag.dag().into(),
+            voxel_materials: materials.as_materials(None).unwrap(),
             materials: &[Material::GREY; 3],
             names: &["a", "b", "c"],
         };

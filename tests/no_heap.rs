@@ -63,8 +63,8 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         bounds,
         up: UpAxis::Y,
         metres_per_unit: 0.0,
-        dag: built.dag.dag(),
-        voxel_materials: built.materials.as_materials(),
+        geometry: built.dag.dag().into(),
+        voxel_materials: built.materials.as_materials(None).unwrap(),
         materials: &[Material::GREY],
         names: &["grey"],
     };
@@ -77,7 +77,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         let scene = file::read(&words).unwrap();
         let camera = Camera::framing(&scene.bounds, scene.up);
         let lights = [camera.headlight(scene.bounds.radius())];
-        for tracer in [Tracer::new(scene.dag), Tracer::with_top(scene.dag, top.as_top()).unwrap()] {
+        for tracer in [Tracer::new(scene.geometry), Tracer::with_top(scene.geometry, top.as_top()).unwrap()] {
             let view =
                 View { tracer, materials: scene.materials, palette: &[Material::GREY], grid, camera, lights: &lights };
             for normals in [NormalKind::Stored, NormalKind::Plane2] {
@@ -93,8 +93,14 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
                 hits += tracer.hits(&query).count() as u64 + query.voxels(7).count() as u64;
                 if let Some(hit) = tracer.trace(Arithmetic::Exact, &query) {
                     assert_eq!(scene.materials.id(hit.voxel), 0);
-                    for kind in [NormalKind::Face, NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane3] {
-                        normal(&Tracer::new(scene.dag), scene.materials, &hit, query.dir, kind);
+                    for kind in [
+                        NormalKind::Face,
+                        NormalKind::Gradient,
+                        NormalKind::Plane1,
+                        NormalKind::Plane3,
+                        NormalKind::Ernerfeldt2,
+                    ] {
+                        normal(&Tracer::new(scene.geometry), scene.materials, &hit, query.dir, kind);
                     }
                 }
             }

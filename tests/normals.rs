@@ -11,10 +11,12 @@ use voxdag::{Dag, Morton};
 use voxdag_oracle::eigen::jacobi;
 use voxdag_oracle::octree::VoxelSet;
 use voxdag_oracle::rng::Rng;
+use voxdag_oracle::textbook::ernerfeldt;
 
 type Voxel = [i32; 3];
 
 const PLANES: [(NormalKind, i32); 3] = [(NormalKind::Plane1, 1), (NormalKind::Plane2, 2), (NormalKind::Plane3, 3)];
+const REGRESSIONS: [(NormalKind, i32); 2] = [(NormalKind::Ernerfeldt1, 1), (NormalKind::Ernerfeldt2, 2)];
 const FACES: [Face; 6] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ];
 
 /// Where neighbourhoods are put: depth of a cube and a voxel in it. A cube of depth 3 cuts off what lies outside, but not
@@ -573,9 +575,13 @@ fn accuracy_on_a_sphere() {
         })
         .collect();
     for (name, voxels) in [("thin", thin), ("cover", cover)] {
-        for (kind, mean_limit, largest_limit) in
-            [(NormalKind::Plane1, 6.8, 30.0), (NormalKind::Plane2, 2.4, 16.0), (NormalKind::Plane3, 1.3, 9.0)]
-        {
+        for (kind, mean_limit, largest_limit) in [
+            (NormalKind::Plane1, 6.8, 30.0),
+            (NormalKind::Plane2, 2.4, 16.0),
+            (NormalKind::Plane3, 1.3, 9.0),
+            (NormalKind::Ernerfeldt1, 6.4, 30.0),
+            (NormalKind::Ernerfeldt2, 2.2, 16.0),
+        ] {
             let (mean, largest) = errors(7, &voxels, kind, from_center);
             println!("sphere, {name}, {kind:?}: mean {mean:.2}, largest {largest:.1} degrees");
             assert!(mean <= mean_limit && largest <= largest_limit, "{name} {kind:?}: {mean} {largest}");
@@ -608,6 +614,99 @@ fn accuracy_on_tilted_planes() {
         println!("tilted planes, {name}: means {means:.2?} degrees");
         assert!(means[0] <= 7.5 && means[1] <= 2.4 && means[2] <= 1.3, "seed {SEED}, {name}: {means:?}");
     }
+}
+
+/// What the weighted regressions answer where the truth is known (rows N1 to N3, N5 to N10): the thesis's method, its
+/// defects included.
+#[test]
+fn ernerfeldts_planes_have_the_known_answers() {
+    let dir = [0.6, 0.5, -0.7];
+    let slab = |keep: fn(i32) -> bool| Set::new(boxed([-5; 3], [5; 3]).filter(move |v| keep(v[2])));
+    let (sheet, wall, gap, half) =
+        (slab(|z| z == 0), slab(|z| z == 0 || z == -1), slab(|z| z == 0 || z == -2), slab(|z| z <= 0));
+    let tilt = |set: &Set, kind| {
+        let n = set.through([0; 3], kind, dir, Face::PosZ);
+        assert_eq!(n.confidence, Confidence::Regression);
+        assert!(n.direction[0] >= 0.0 && n.direction[1] >= 0.0, "{n:?}");
+        degrees(n.direction.map(f64::from), [0.0, 0.0, 1.0])
+    };
+    // With variances u < v of one axis and two, the sum is (u v)^3, (u v)^3, v^6: a tilt of atan(sqrt 2 (u / v)^3).
+    for (name, set, kind, u, v) in [
+        ("sheet", &sheet, NormalKind::Ernerfeldt2, 0.0, 2.0),
+        ("wall", &wall, NormalKind::Ernerfeldt1, 0.25, 2.0 / 3.0),
+        ("wall", &wall, NormalKind::Ernerfeldt2, 0.25, 2.0),
+        ("gap", &gap, NormalKind::Ernerfeldt2, 1.0, 2.0),
+        ("half space", &half, NormalKind::Ernerfeldt1, 0.25, 2.0 / 3.0),
+        ("half space", &half, NormalKind::Ernerfeldt2, 2.0 / 3.0, 2.0),
+    ] {
+        let (found, ratio) = (tilt(set, kind), u / v);
+        let expected = libm::atan(2.0f64.sqrt() * ratio * ratio * ratio).to_degrees();
+        println!("{name}, {kind:?}: tilts by {found:.2} degrees");
+        assert!((found - expected).abs() < 1e-4, "{name}, {kind:?}: {found}, not {expected}");
+    }
+
+    let point = Set::new([[0; 3]]);
+    let line = Set::new((-3..=3).map(|x| [x, 0, 0]));
+    let block = Set::new(boxed([-5; 3], [5; 3]));
+    let edge = Set::new(boxed([-6; 3], [0, 6, 0]).filter(|v| v[0] == 0 || v[2] == 0));
+    for (kind, _) in REGRESSIONS {
+        let n = point.through([0; 3], kind, dir, Face::PosZ);
+        assert_eq!((n.direction, n.confidence), ([0.0, 0.0, 1.0], Confidence::Face));
+        assert_eq!(
+            line.normal([0; 3], kind, [0.5, 0.3, -0.4]),
+            line.normal([0; 3], NormalKind::Plane2, [0.5, 0.3, -0.4])
+        );
+        // Nothing to go by, and an answer all the same, on the side of the entry face.
+        for (face, sign) in [(Face::PosZ, 1.0), (Face::NegX, -1.0)] {
+            assert_near(&block.through([0; 3], kind, dir, face), [sign; 3], 1e-4);
+        }
+        assert_near(&edge.through([0; 3], kind, dir, Face::PosX), [BISECTOR, 0.0, BISECTOR], 0.5);
+        // The side is the face's alone, although the viewer looks from the other one.
+        assert_eq!(sheet.through([0; 3], kind, [0.1, 0.1, 1.0], Face::PosZ).direction, [0.0, 0.0, 1.0]);
+        let n = sheet.through([0; 3], kind, dir, Face::NegX);
+        assert_eq!((n.direction, n.confidence), ([-1.0, 0.0, 0.0], Confidence::Face));
+    }
+}
+
+/// The same plane as the textbook's for any voxels, and, as that, not that of the mirror image.
+#[test]
+fn ernerfeldts_planes_are_the_textbooks() {
+    const SEED: u64 = 19;
+    let mut random = Rng::new(SEED);
+    let (mut compared, mut turned_away, mut largest) = (0, 0, 0.0f64);
+    for round in 0..3000 {
+        let voxels = neighbourhood(&mut random);
+        let set = Set::at([16; 3], 5, voxels.iter().copied());
+        let image = Set::at([16; 3], 5, voxels.iter().map(|v| [-v[0], v[1], v[2]]));
+        for (kind, r) in REGRESSIONS {
+            let n = through(dag(&set), [16; 3], kind, [0.3, 0.4, -0.5], Face::PosZ);
+            let near: Vec<_> = voxels.iter().filter(|v| v.iter().all(|c| c.abs() <= r)).collect();
+            // By their number, so that the textbook's centre has no rounding error.
+            let points: Vec<_> = near.iter().map(|v| v.map(|x| f64::from(x * near.len() as i32))).collect();
+            let Some(textbook) = ernerfeldt(&points) else {
+                assert_ne!(n.confidence, Confidence::Regression, "seed {SEED}, round {round}");
+                continue;
+            };
+            let angle = |a: [f32; 3], b: [f64; 3]| {
+                let angle = degrees(a.map(f64::from), b);
+                angle.min(180.0 - angle)
+            };
+            if n.confidence == Confidence::Regression {
+                compared += 1;
+                assert!(
+                    angle(n.direction, textbook) < 1e-4,
+                    "seed {SEED}, round {round}, {kind:?}: {n:?} {textbook:?}"
+                );
+                assert!(n.direction[2] > 0.0);
+                let m = through(dag(&image), [16; 3], kind, [-0.3, 0.4, -0.5], Face::PosZ).direction.map(f64::from);
+                let off = angle(n.direction, [-m[0], m[1], m[2]]);
+                turned_away += u32::from(off > 0.01);
+                largest = largest.max(off);
+            }
+        }
+    }
+    println!("{turned_away} of {compared} mirror images differ, by up to {largest:.1} degrees");
+    assert!(compared > 4000 && turned_away > 0, "{compared} {turned_away}");
 }
 
 /// The answer depends on where the ray heads to, not on how long its direction is.

@@ -111,6 +111,11 @@ fn ranks() {
 }
 
 #[test]
+fn ssvdag() {
+    replay("ssvdag", 500);
+}
+
+#[test]
 fn table() {
     replay("table", 2000);
 }

@@ -335,7 +335,7 @@ fn normals_of_every_kind_make_a_picture() {
     let lights = [camera.headlight(bounds().radius())];
     let render = |normals| picture(&words, camera, &lights, shiny(9), &Settings { normals, ..settings(40, 30) });
     use NormalKind::*;
-    let pictures = [Face, Gradient, Plane1, Plane2, Plane3].map(render);
+    let pictures = [Face, Gradient, Plane1, Plane2, Plane3, Ernerfeldt1, Ernerfeldt2].map(render);
     for (i, p) in pictures.iter().enumerate() {
         assert_eq!(p.1, pictures[0].1);
         assert!(pictures[..i].iter().all(|other| other.0 != p.0), "picture {i}");

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use voxdag::Geometry;
 use voxdag::dag::BRICK_LEVEL;
 use voxdag::file::{self, Parts};
 use voxdag::grid::UpAxis;
@@ -156,7 +157,7 @@ fn files() {
         bounds,
         up: UpAxis::Z,
         metres_per_unit: 0.0,
-        dag: built.dag.dag(),
+        geometry: built.dag.dag().into(),
         voxel_materials: AnyMaterials::Table(table.as_table()),
         materials: &[Material::GREY],
         names: &["grey"],
@@ -164,9 +165,9 @@ fn files() {
     .to_vec()
     .unwrap();
     let scene = file::read(&words).unwrap();
-    assert_eq!(scene.dag.words(), built.dag.words());
-    let voxels: Vec<Morton> = scene.dag.voxels().collect();
-    assert_eq!(octree::count_voxels(scene.dag.words()), voxels.len().into());
+    assert_eq!(scene.geometry.words(), built.dag.words());
+    let voxels: Vec<Morton> = scene.geometry.voxels().collect();
+    assert_eq!(octree::count_voxels(scene.geometry.words()), voxels.len().into());
     for &voxel in &voxels {
         let normal = scene.materials.normal(voxel).unwrap();
         let length: f32 = normal.iter().map(|x| x * x).sum();

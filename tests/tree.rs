@@ -269,7 +269,7 @@ fn a_file_keeps_it_from_version_2_on() {
             bounds: Bounds { min: [0.0; 3], max: [8.0; 3] },
             up: UpAxis::Y,
             metres_per_unit: 0.0,
-            dag: dag.dag(),
+            geometry: dag.dag().into(),
             voxel_materials: AnyMaterials::Tree(tree.tree()),
             materials: &[Material::GREY; 2],
             names: &["a", "b"],

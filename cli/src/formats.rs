@@ -4,7 +4,7 @@ use std::io::{Result, Write};
 
 use voxdag::file::Scene;
 use voxdag::materials::Materials;
-use voxdag::{Dag, Grid, Morton};
+use voxdag::{Geometry, Grid, Morton};
 
 use crate::report::number;
 
@@ -15,7 +15,7 @@ pub const MAX_BINVOX: u32 = 4096;
 ///
 /// Voxel (x, y, z) has its centre at `translate + scale * ((x, y, z) + 0.5) / N` in the world: translate is the grid's
 /// origin, scale the side of the cube of N^3 voxels.
-pub fn binvox(dag: Dag<'_>, grid: &Grid, out: &mut dyn Write) -> Result<()> {
+pub fn binvox(geometry: impl Geometry, grid: &Grid, out: &mut dyn Write) -> Result<()> {
     let n = grid.resolution;
     let [x, y, z] = grid.origin.map(number);
     let scale = number(f64::from(n) * grid.voxel_size);
@@ -31,9 +31,9 @@ pub fn binvox(dag: Dag<'_>, grid: &Grid, out: &mut dyn Write) -> Result<()> {
         for z in (0..n).step_by(4) {
             let mut y = 0;
             while let Some(first) = Morton::encode([x, y, z]).filter(|_| y < n) {
-                let mut mask = dag.brick(first);
+                let mut mask = geometry.brick(first);
                 if mask == 0 {
-                    let side = 1u32 << dag.empty_level(first).unwrap_or(0).max(2);
+                    let side = 1u32 << geometry.empty_level(first).unwrap_or(0).max(2);
                     y = (y | (side - 1)) + 1;
                     continue;
                 }
@@ -95,7 +95,7 @@ impl Runs<'_> {
 
 /// A line `x y z material` per voxel, in Morton order.
 pub fn xyz(scene: &Scene<'_>, out: &mut dyn Write) -> Result<()> {
-    scene.dag.voxels().try_for_each(|voxel| {
+    scene.geometry.voxels().try_for_each(|voxel| {
         let [x, y, z] = voxel.decode();
         writeln!(out, "{x} {y} {z} {}", scene.materials.id(voxel))
     })
@@ -109,7 +109,7 @@ pub fn npy(scene: &Scene<'_>, voxels: u64, out: &mut dyn Write) -> Result<()> {
     out.write_all(b"\x93NUMPY\x01\x00")?;
     out.write_all(&(length as u16).to_le_bytes())?;
     writeln!(out, "{header:0$}", length - 1)?;
-    scene.dag.voxels().try_for_each(|voxel| {
+    scene.geometry.voxels().try_for_each(|voxel| {
         let [x, y, z] = voxel.decode();
         let row = [x, y, z, scene.materials.id(voxel).into()];
         out.write_all(row.map(u32::to_le_bytes).as_flattened())

@@ -1,12 +1,15 @@
 //! The flags that several commands share, and how their values are read. Defaults stand in the help texts; a flag that
 //! was not given stays `None` where its absence matters.
 
+use std::fmt;
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
+use voxdag::camera::Camera;
+use voxdag::geometry::Geometry;
 use voxdag::materials::AnyMaterials;
 use voxdag::normal::NormalKind;
-use voxdag::render::Samples;
+use voxdag::render::{Samples, Supersample};
 use voxdag::trace::Arithmetic;
 
 use crate::error::{Error, Kind};
@@ -33,6 +36,10 @@ pub struct BuildArgs {
     #[arg(long, value_name = "COVER", value_enum)]
     pub cover: Option<CoverArg>,
 
+    /// How the filled voxels are laid out [default: dag]
+    #[arg(long, value_name = "KIND", value_enum)]
+    pub geometry: Option<GeometryArg>,
+
     /// What is kept of the surfaces [default: tree]
     #[arg(long, value_name = "KIND", value_enum)]
     pub materials: Option<MaterialsArg>,
@@ -52,6 +59,23 @@ impl BuildArgs {
         Ok(())
     }
 
+    /// Refuses what no file holds.
+    pub fn must_be_for_files(&self) -> Result<(), Error> {
+        let refused = |flag: &str, kinds: &str| {
+            Err(Error::usage(format_args!("{flag}: that is built in memory only, for `render` and `bench`"))
+                .hint(format_args!("a file takes {kinds}")))
+        };
+        match (self.geometry, self.materials) {
+            (Some(GeometryArg::Svo | GeometryArg::Offsets | GeometryArg::Moxel), _) => {
+                refused("--geometry", "dag or ssvdag")
+            }
+            (_, Some(MaterialsArg::Palette | MaterialsArg::Moxel | MaterialsArg::MoxelNormals)) => {
+                refused("--materials", "tree, table, table-normals, ranked or none")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses flags of building for a scene that was built before.
     pub fn must_be_absent(&self, scene: &Path) -> Result<(), Error> {
         match self.given() {
@@ -68,6 +92,7 @@ impl BuildArgs {
             (self.voxel_size.is_some(), "--voxel-size"),
             (self.origin.is_some(), "--origin"),
             (self.cover.is_some(), "--cover"),
+            (self.geometry.is_some(), "--geometry"),
             (self.materials.is_some(), "--materials"),
             (self.up_axis.is_some(), "--up-axis"),
         ];
@@ -84,6 +109,7 @@ impl BuildArgs {
             self.voxel_size.map(|s| format!(" --voxel-size {}", number_text(s))),
             self.origin.map(|[x, y, z]| format!(" --origin {},{},{}", number_text(x), number_text(y), number_text(z))),
             self.cover.map(|cover| format!(" --cover {}", name(cover))),
+            self.geometry.map(|geometry| format!(" --geometry {}", name(geometry))),
             self.materials.map(|materials| format!(" --materials {}", name(materials))),
             self.up_axis.map(|axis| format!(" --up-axis {}", name(axis))),
         ];
@@ -113,8 +139,32 @@ pub enum MaterialsArg {
     Table,
     /// A table from voxel to material and normal
     TableNormals,
+    /// Packed numbers in the order of the voxels, found by rank
+    Ranked,
+    /// The same in blocks with palettes of their own; in memory only
+    Palette,
+    /// Williams's moxel table; in memory only
+    Moxel,
+    /// Williams's moxel table with normals; in memory only
+    MoxelNormals,
     /// Shape only
     None,
+}
+
+/// How the filled voxels are laid out.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum GeometryArg {
+    /// The sparse voxel DAG: the fastest
+    #[default]
+    Dag,
+    /// The same, also merged up to mirrors, and packed: the smallest
+    Ssvdag,
+    /// The octree without sharing; in memory only
+    Svo,
+    /// The DAG with offsets in its pointers; in memory only
+    Offsets,
+    /// Williams's moxel DAG; in memory only
+    Moxel,
 }
 
 /// The axis that points up.
@@ -173,13 +223,80 @@ pub struct PictureArgs {
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub normals: NormalsArg,
 
-    /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64 [default: 4]
+    /// Rays per pixel: 1, 4, 5 (centre and four around it), 16 or 64 [default: 4, with --supersample 16]
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     pub samples: Option<Samples>,
+
+    /// Pixels that take all of these rays: all, near[:SHARE], region:X0,Y0,X1,Y1 or adaptive[:DEGREES] [default: all]
+    ///
+    /// near: those whose centre shows the nearer share of the voxels, 0.5 unless given, along the axis that the view
+    /// follows most; the others take one ray. region: columns X0 to X1 and rows Y0 to Y1, the last ones excluded; the
+    /// others take one ray. adaptive: those whose four corners do not see one smooth surface, of one material and with
+    /// normals within some degrees, 2 unless given; the others take these four rays.
+    #[arg(long, value_name = "WHICH", value_parser = supersample, verbatim_doc_comment, allow_hyphen_values = true)]
+    pub supersample: Option<SupersampleArg>,
 
     /// How rays are followed
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
+}
+
+impl PictureArgs {
+    /// The samples per pixel that the flags ask for, if they do not contradict each other.
+    pub fn samples(&self) -> Result<Samples, Error> {
+        let Some(which) = self.supersample else { return Ok(self.samples.unwrap_or(Samples::Four)) };
+        let samples = self.samples.unwrap_or(Samples::Sixteen);
+        let [width, height] = self.size;
+        match which {
+            _ if samples == Samples::One => {
+                Err(Error::usage(format_args!("--supersample {which}: --samples 1 leaves no more to take"))
+                    .hint("leave --samples away, or take 4, 5, 16 or 64"))
+            }
+            SupersampleArg::Adaptive(_) if samples.count() < 16 => Err(Error::usage(format_args!(
+                "--supersample {which}: the first four of --samples {} would be nearly all",
+                samples.count()
+            ))
+            .hint("leave --samples away, or take 16 or 64")),
+            SupersampleArg::Region([_, _, x1, y1]) if x1 > width || y1 > height => {
+                Err(Error::usage(format_args!("--supersample {which} reaches beyond a picture of {width}x{height}"))
+                    .hint("make --size larger or the region smaller"))
+            }
+            _ => Ok(samples),
+        }
+    }
+
+    /// The core's name for the pixels that take all samples.
+    pub fn supersample(&self, geometry: impl Geometry, camera: &Camera) -> Supersample {
+        match self.supersample {
+            None | Some(SupersampleArg::All) => Supersample::All,
+            Some(SupersampleArg::Near(share)) => Supersample::near(geometry, camera, share),
+            Some(SupersampleArg::Region([x0, y0, x1, y1])) => Supersample::Region { from: [x0, y0], to: [x1, y1] },
+            Some(SupersampleArg::Adaptive(degrees)) => Supersample::Adaptive { degrees },
+        }
+    }
+}
+
+/// Which pixels take all samples, as it is typed.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum SupersampleArg {
+    All,
+    /// The share of the voxels' range, 0 to 1.
+    Near(f64),
+    /// First column and row, and those after the last ones.
+    Region([u32; 4]),
+    /// Degrees, 0 to 90.
+    Adaptive(f32),
+}
+
+impl fmt::Display for SupersampleArg {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SupersampleArg::All => f.write_str("all"),
+            SupersampleArg::Near(share) => write!(f, "near:{share}"),
+            SupersampleArg::Region([x0, y0, x1, y1]) => write!(f, "region:{x0},{y0},{x1},{y1}"),
+            SupersampleArg::Adaptive(degrees) => write!(f, "adaptive:{degrees}"),
+        }
+    }
 }
 
 /// A light as it is typed.
@@ -207,6 +324,10 @@ pub enum NormalsArg {
     Plane2,
     /// A plane through the 7^3 voxels around
     Plane3,
+    /// A plane through the 3^3 voxels around by weighted regressions, as in Pineda's thesis
+    Ernerfeldt1,
+    /// The same through the 5^3 voxels around
+    Ernerfeldt2,
 }
 
 impl NormalsArg {
@@ -224,6 +345,8 @@ impl NormalsArg {
             NormalsArg::Plane1 => NormalKind::Plane1,
             NormalsArg::Plane2 => NormalKind::Plane2,
             NormalsArg::Plane3 => NormalKind::Plane3,
+            NormalsArg::Ernerfeldt1 => NormalKind::Ernerfeldt1,
+            NormalsArg::Ernerfeldt2 => NormalKind::Ernerfeldt2,
         })
     }
 }
@@ -364,6 +487,29 @@ fn samples(text: &str) -> Result<Samples, String> {
     text.parse().ok().and_then(Samples::new).ok_or_else(|| "expected 1, 4, 5, 16 or 64".to_owned())
 }
 
+fn supersample(text: &str) -> Result<SupersampleArg, String> {
+    let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
+    let within = |value: Option<&str>, usual: f64, largest: f64| match value.map_or(Ok(usual), number)? {
+        x if (0.0..=largest).contains(&x) => Ok(x),
+        _ => Err(format!("expected a number from 0 to {largest} after `{name}:`")),
+    };
+    match (name, value) {
+        ("all", None) => Ok(SupersampleArg::All),
+        ("near", _) => Ok(SupersampleArg::Near(within(value, 0.5, 1.0)?)),
+        ("adaptive", _) => Ok(SupersampleArg::Adaptive(within(value, 2.0, 90.0)? as f32)),
+        ("region", Some(value)) => {
+            let expected = || "expected region:X0,Y0,X1,Y1 in pixels, X0 below X1 and Y0 below Y1".to_owned();
+            let corners =
+                value.split(',').map(|x| x.parse().ok()).collect::<Option<Vec<u32>>>().ok_or_else(expected)?;
+            match corners[..] {
+                [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => Ok(SupersampleArg::Region([x0, y0, x1, y1])),
+                _ => Err(expected()),
+            }
+        }
+        _ => Err("expected all, near[:SHARE], region:X0,Y0,X1,Y1 or adaptive[:DEGREES]".to_owned()),
+    }
+}
+
 /// Largest side of a picture: PNG readers and graphics cards stop there.
 const MAX_SIDE: u32 = 32768;
 
@@ -420,6 +566,30 @@ mod tests {
         assert!(colour("-0.1").is_err() && colour("1,2").is_err() && colour("1e300").is_err());
         assert_eq!(light("1,2,3").unwrap().color, [1.0; 3]);
         assert!(light("1,2,3,4").is_err());
+    }
+
+    #[test]
+    fn pixels_to_supersample() {
+        use SupersampleArg::*;
+        for (text, which) in [
+            ("all", All),
+            ("near", Near(0.5)),
+            ("near:0.25", Near(0.25)),
+            ("region:0,1,2,3", Region([0, 1, 2, 3])),
+            ("adaptive", Adaptive(2.0)),
+            ("adaptive:7.5", Adaptive(7.5)),
+        ] {
+            assert_eq!(supersample(text), Ok(which));
+            assert_eq!(supersample(&which.to_string()), Ok(which));
+        }
+        for wrong in ["", "none", "all:1", "near:", "near:1.5", "near:-1", "near:nan", "adaptive:91", "adaptive:x"] {
+            assert!(supersample(wrong).is_err(), "{wrong}");
+        }
+        for wrong in
+            ["region", "region:1,2,3", "region:1,2,3,4,5", "region:3,0,3,9", "region:0,9,9,0", "region:-1,0,3,9"]
+        {
+            assert!(supersample(wrong).is_err(), "{wrong}");
+        }
     }
 
     #[test]

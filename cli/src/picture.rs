@@ -9,13 +9,14 @@ use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
 use voxdag::file::Scene;
+use voxdag::geometry::AnyGeometry;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
-use voxdag::render::{Counters, RenderError, Samples, Settings, View, render_rows};
+use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
 use voxdag::trace::Tracer;
-use voxdag::{Dag, Grid, Material};
+use voxdag::{Grid, Material, match_geometry};
 
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
@@ -35,6 +36,8 @@ pub struct Picture {
     pub rays: Rays,
     /// Primary rays that hit a voxel.
     pub hits: u64,
+    /// Share of the pixels that took all samples, where these are more than one.
+    pub supersampled: f64,
     /// Names of what the scene called for.
     pub effects: Vec<&'static str>,
     pub trace: Duration,
@@ -54,7 +57,7 @@ pub struct Shown<'a> {
     /// The mesh's box.
     pub bounds: Bounds,
     pub up: UpAxis,
-    pub dag: Dag<'a>,
+    pub geometry: AnyGeometry<'a>,
     pub materials: AnyMaterials<'a>,
     pub palette: Vec<Material>,
 }
@@ -62,36 +65,25 @@ pub struct Shown<'a> {
 /// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
 const BAND: usize = 4;
 
-/// Draws on the threads of the current pool.
-pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Picture> {
+/// Draws on the threads of the current pool; on demand with red on the pixels that take all samples.
+pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memory: &Memory) -> Result<Picture> {
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
     let mut pixels = room(args.size, 8, memory)?;
 
     let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
-    let settings = settings(scene, args)?;
-    // The grid pays for itself after some thousand rays.
     let start = Instant::now();
-    let top = scene::top_grid(scene.dag)?;
-    let tracer = Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag));
-    // Chosen once, so that the rays run in code for one representation of materials.
-    let band = |rows: Range<u32>, pixels: &mut [u32]| {
-        let (palette, grid, lights) = (&scene.palette[..], scene.grid, &lights[..]);
-        match scene.materials {
-            AnyMaterials::Single(materials) => {
-                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
-            }
-            AnyMaterials::Table(materials) => {
-                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
-            }
-            AnyMaterials::Tree(materials) => {
-                render_rows(&View { tracer, materials, palette, grid, camera, lights }, &settings, rows, pixels)
-            }
-        }
-    };
-
-    let counters = in_bands("drawing", args.size, &mut pixels, band)?;
+    let settings = Settings { mark_supersampled, ..settings(scene, &camera, args)? };
+    // One kernel for each layout of voxels, chosen once; materials are matched at each hit, which costs nothing measurable.
+    let counters = match_geometry!(scene.geometry, geometry => {
+        // The grid pays for itself after some thousand rays.
+        let top = scene::top_grid(geometry)?;
+        let tracer = Tracer::with_top(geometry, top.as_top()).unwrap_or(Tracer::new(geometry));
+        let (palette, materials) = (&scene.palette[..], scene.materials);
+        let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
+        in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
+    });
     let highlights = !lights.is_empty() && scene.palette.iter().any(has_highlight);
     Ok(Picture {
         width,
@@ -100,6 +92,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Pi
         pixels,
         rays: Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary },
         hits: counters.hits,
+        supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
         effects: if highlights { vec!["highlights"] } else { Vec::new() },
         trace: start.elapsed(),
     })
@@ -160,11 +153,12 @@ fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> 
     args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color }).collect()
 }
 
-fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
+fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
-        samples: args.samples.unwrap_or(Samples::Four),
+        samples: args.samples()?,
+        supersample: args.supersample(scene.geometry, camera),
         normals: args.normals.kind(&scene.materials)?,
         arithmetic: args.arithmetic.kind(),
         ambient: args.ambient,
@@ -175,9 +169,9 @@ fn settings(scene: &Shown<'_>, args: &PictureArgs) -> Result<Settings> {
 impl<'a> Shown<'a> {
     /// What a file holds.
     pub fn of(scene: &Scene<'a>) -> Shown<'a> {
-        let Scene { grid, bounds, up, dag, materials, .. } = *scene;
+        let Scene { grid, bounds, up, geometry, materials, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
-        Shown { grid, bounds, up, dag, materials, palette }
+        Shown { grid, bounds, up, geometry, materials, palette }
     }
 
     /// Whether voxels have normals of their own.

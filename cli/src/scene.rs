@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::build::{BuildError, DagBuf};
-use voxdag::dag::Stats;
+use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::file::{self, LoadError, Parts, Scene};
+use voxdag::geometry::{AnyGeometry, Geometry};
 use voxdag::grid::{Bounds, Grid, GridError, UpAxis};
-use voxdag::materials::{AnyMaterials, MaterialsBuf, Single};
+use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
@@ -20,6 +21,7 @@ use voxdag::{Dag, Material, Mesh};
 
 use crate::error::{Error, Kind, Result};
 use crate::input::Companions;
+use crate::layout::Layout;
 use crate::memory::{Memory, round_up};
 use crate::options::{BuildArgs, CoverArg, MaterialsArg, UpAxisArg};
 use crate::ordered::in_order;
@@ -108,7 +110,7 @@ pub struct Built {
     pub grid: Grid,
     bounds: Bounds,
     up: UpAxis,
-    dag: DagBuf,
+    layout: Layout,
     voxel_materials: MaterialsBuf,
     materials: Vec<Material>,
     names: Vec<String>,
@@ -142,11 +144,12 @@ pub struct Bytes {
 }
 
 impl Bytes {
-    /// Of a file of `file` bytes.
-    pub fn of(dag: Dag<'_>, materials: AnyMaterials<'_>, file: u64) -> Bytes {
-        let bricks = 8 * u64::from(dag.brick_count());
-        let nodes = 4 * dag.words().len() as u64 - bricks;
-        let materials = 4 * materials.words().len() as u64;
+    /// Of a file of `file` bytes whose geometry has these counts.
+    pub fn of(geometry: AnyGeometry<'_>, stats: &Stats, materials: AnyMaterials<'_>, file: u64) -> Bytes {
+        let bricks = 8 * stats.levels[usize::from(BRICK_LEVEL)].unique;
+        let nodes = 4 * geometry.words().len() as u64 - bricks;
+        let counts = materials.rank().and_then(|rank| rank.words()).map_or(0, <[u32]>::len);
+        let materials = 4 * (counts + materials.words().len()) as u64;
         Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
     }
 
@@ -164,36 +167,59 @@ impl Bytes {
     }
 }
 
-/// What to build, as the flags say; at most `memory_limit` bytes at one time.
-pub fn options(args: &BuildArgs, memory_limit: Option<u64>) -> Options {
-    Options {
-        cover: match args.cover.unwrap_or_default() {
-            CoverArg::Exact => Cover::Exact,
-            CoverArg::Thin => Cover::Thin,
-            CoverArg::Inflated => Cover::Inflated,
-        },
-        materials: match args.materials.unwrap_or_default() {
-            MaterialsArg::Tree => MaterialMode::Tree,
-            MaterialsArg::Table => MaterialMode::Table,
-            MaterialsArg::TableNormals => MaterialMode::TableNormals,
-            MaterialsArg::None => MaterialMode::None,
-        },
-        memory_limit,
-        parts_at_once: rayon::current_num_threads(),
+/// How to build, as the flags say but for the materials; at most `memory_limit` bytes at one time.
+pub fn options(args: &BuildArgs, materials: MaterialMode, memory_limit: Option<u64>) -> Options {
+    let cover = match args.cover.unwrap_or_default() {
+        CoverArg::Exact => Cover::Exact,
+        CoverArg::Thin => Cover::Thin,
+        CoverArg::Inflated => Cover::Inflated,
+    };
+    Options { cover, materials, memory_limit, parts_at_once: rayon::current_num_threads() }
+}
+
+/// How materials are kept, as the flags say.
+pub fn mode(args: &BuildArgs) -> MaterialMode {
+    match args.materials.unwrap_or_default() {
+        MaterialsArg::Tree => MaterialMode::Tree,
+        MaterialsArg::Table => MaterialMode::Table,
+        MaterialsArg::TableNormals => MaterialMode::TableNormals,
+        MaterialsArg::Ranked => MaterialMode::Ranked,
+        MaterialsArg::Palette => MaterialMode::Palettes,
+        MaterialsArg::Moxel => MaterialMode::Moxels,
+        MaterialsArg::MoxelNormals => MaterialMode::MoxelsNormals,
+        MaterialsArg::None => MaterialMode::None,
     }
 }
 
-/// Builds the scene on the threads of the current pool, and holds it.
-pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<Built> {
+/// Voxels of a mesh before anything keeps their materials.
+pub struct Voxels<'b, 'm> {
+    pub grid: Grid,
+    pub bounds: Bounds,
+    pub dag: DagBuf,
+    /// What material maps are made from.
+    pub pending: PendingMaterials<'b, 'm>,
+    /// Triangles to bricks, and bricks to subtrees.
+    pub voxelize: Duration,
+    /// Joining the subtrees.
+    pub reduce: Duration,
+}
+
+/// Voxelises the mesh on the threads of the current pool, as the flags say but for the materials, and lets `keep` make of
+/// the voxels what is to be kept.
+pub fn voxelize<T>(
+    source: &Source,
+    args: &BuildArgs,
+    materials: MaterialMode,
+    memory: &Memory,
+    keep: impl FnOnce(Voxels<'_, '_>) -> std::result::Result<T, SceneError>,
+) -> Result<T> {
     let mesh = source.model.mesh();
     let bounds = mesh.validate().map_err(|error| refused(source, SceneError::Voxelize(VoxelizeError::Mesh(error))))?;
     let grid = grid(&bounds, args).map_err(|error| grid_error(source, error))?;
     contains(source, &grid, &bounds)?;
-    let left = memory.left();
-    let account = &*memory;
     let refused = |error| match error {
         SceneError::Limit { needed, enough, coarser, .. } => {
-            over_limit(source, account, needed, enough, coarser.then_some(&grid))
+            over_limit(source, memory, needed, enough, coarser.then_some(&grid))
         }
         SceneError::Reduce(BuildError::Words { .. }) => {
             let what = format!("{} at resolution {}", source.path.display(), grid.resolution);
@@ -207,7 +233,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     };
 
     // Sort the triangles into parts, build the parts on all threads and join them as they come.
-    let options = options(args, left);
+    let options = options(args, materials, memory.left());
     let start = Instant::now();
     let build = Build::new(&mesh, &grid, &options).map_err(refused)?;
     let mut join = build.join().map_err(refused)?;
@@ -233,43 +259,56 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     let (dag, pending) = finished.map_err(refused)?;
     reduce += time;
     let voxelize = start.elapsed().saturating_sub(reduce);
+    keep(Voxels { grid, bounds, dag, pending, voxelize, reduce }).map_err(refused)
+}
 
-    // Look up who owns each voxel.
-    let progress = Progress::stage("materials", 0);
-    let (voxel_materials, materials_time) = stats::timed(|| voxel_materials(&pending, dag.dag()));
-    drop(progress);
-    let voxel_materials = voxel_materials.map_err(refused)?;
-    let (materials, names) = match voxel_materials {
-        MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
-        _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
-    };
-
-    drop(pending);
-    let stats = count(dag.dag())?;
-    memory.hold(4 * (dag.words().len() + voxel_materials.as_materials().words().len()) as u64);
-    Ok(Built {
-        grid,
-        bounds,
-        up: match args.up_axis.unwrap_or_default() {
-            UpAxisArg::Y => UpAxis::Y,
-            UpAxisArg::Z => UpAxis::Z,
-        },
-        stats,
-        dag,
-        voxel_materials,
-        materials,
-        names,
-        triangles: mesh.triangles.len(),
-        cost: Cost { parse: source.parse_time, voxelize, reduce, materials: materials_time },
-    })
+/// Builds the scene on the threads of the current pool, and holds it.
+pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<Built> {
+    let mode = mode(args);
+    let built = voxelize(source, args, mode, memory, |voxels| {
+        let Voxels { grid, bounds, dag, pending, voxelize, reduce } = voxels;
+        let progress = Progress::stage("materials", 0);
+        let (voxel_materials, time) = stats::timed(|| voxel_materials(&pending, dag.dag(), mode));
+        drop(progress);
+        let voxel_materials = voxel_materials?;
+        let kind = args.geometry.unwrap_or_default();
+        let (layout, laid_out) = stats::timed(|| Layout::new(dag, kind, voxel_materials.needs_rank()));
+        let layout = layout?;
+        let (materials, names) = match voxel_materials {
+            MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
+            _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
+        };
+        Ok(Built {
+            grid,
+            bounds,
+            up: match args.up_axis.unwrap_or_default() {
+                UpAxisArg::Y => UpAxis::Y,
+                UpAxisArg::Z => UpAxis::Z,
+            },
+            stats: layout.geometry().stats().map_err(|bytes| VoxelizeError::Memory { bytes: bytes as u64 })?,
+            layout,
+            voxel_materials,
+            materials,
+            names,
+            triangles: source.model.mesh().triangles.len(),
+            cost: Cost { parse: source.parse_time, voxelize, reduce: reduce + laid_out, materials: time },
+        })
+    })?;
+    memory.hold(4 * (built.layout.words() + built.voxel_materials().words().len()) as u64);
+    Ok(built)
 }
 
 /// What says which material a voxel has. A table is filled by all threads: each takes the entries of its part.
-fn voxel_materials(pending: &PendingMaterials<'_, '_>, dag: Dag<'_>) -> std::result::Result<MaterialsBuf, SceneError> {
-    if let Some(tree) = pending.tree(&dag)? {
-        return Ok(MaterialsBuf::Tree(tree));
-    }
-    let Some(mut table) = pending.empty_table(&dag)? else { return Ok(MaterialsBuf::Single(Single(0))) };
+pub fn voxel_materials(
+    pending: &PendingMaterials<'_, '_>,
+    dag: Dag<'_>,
+    mode: MaterialMode,
+) -> std::result::Result<MaterialsBuf, SceneError> {
+    let mut table = match mode {
+        MaterialMode::Table => pending.empty_table(&dag, false)?,
+        MaterialMode::TableNormals => pending.empty_table(&dag, true)?,
+        mode => return pending.materials(&dag, mode),
+    };
     table.fill(|table| {
         let parts: Vec<_> = table.split(rayon::current_num_threads() as u32).collect();
         let filled: std::result::Result<Vec<_>, _> = parts
@@ -283,7 +322,8 @@ fn voxel_materials(pending: &PendingMaterials<'_, '_>, dag: Dag<'_>) -> std::res
 
 impl Built {
     fn voxel_materials(&self) -> AnyMaterials<'_> {
-        self.voxel_materials.as_materials()
+        let materials = self.voxel_materials.as_materials(self.layout.rank());
+        materials.expect("ranks are there if they are needed, and of the same voxels")
     }
 
     /// The scene as it is drawn.
@@ -292,7 +332,7 @@ impl Built {
             grid: self.grid,
             bounds: self.bounds,
             up: self.up,
-            dag: self.dag.dag(),
+            geometry: self.layout.geometry(),
             materials: self.voxel_materials(),
             palette: self.materials.clone(),
         }
@@ -306,7 +346,7 @@ impl Built {
             bounds: self.bounds,
             up: self.up,
             metres_per_unit: 0.0,
-            dag: self.dag.dag(),
+            geometry: self.layout.geometry(),
             voxel_materials: self.voxel_materials(),
             materials: &self.materials,
             names: &names,
@@ -316,7 +356,7 @@ impl Built {
     /// Bytes that the `.vxd` file has.
     pub fn bytes(&self) -> Bytes {
         let file = self.with_parts(|parts| 4 * parts.file_len());
-        Bytes::of(self.dag.dag(), self.voxel_materials(), file)
+        Bytes::of(self.layout.geometry(), &self.stats, self.voxel_materials(), file)
     }
 
     /// Writes the `.vxd` file; the DAG and the table go out as they are.
@@ -344,8 +384,9 @@ pub fn open<'a>(path: &Path, words: &'a [u32]) -> Result<Scene<'a>> {
 }
 
 /// Counts voxels and nodes.
-pub fn count(dag: Dag<'_>) -> Result<Stats> {
-    dag.stats()
+pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
+    geometry
+        .stats()
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
@@ -353,8 +394,8 @@ pub fn count(dag: Dag<'_>) -> Result<Stats> {
 const TOP_BITS: u8 = 5;
 
 /// The grid that makes rays faster; it pays for itself after some thousand of them.
-pub fn top_grid(dag: Dag<'_>) -> Result<TopBuf> {
-    TopBuf::new(&dag, TOP_BITS)
+pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
+    TopBuf::new(&geometry, TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 

@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
+use voxdag::geometry::{AnyGeometry, Geometry};
 use voxdag::material::MaterialId;
 use voxdag::materials::Materials;
 use voxdag::math;
@@ -35,6 +36,8 @@ pub enum Show {
     Iterations,
     /// A colour per material
     Material,
+    /// The scene in its light, with red on the pixels that --supersample chooses
+    Samples,
 }
 
 /// The numbers behind a picture's colours.
@@ -45,14 +48,16 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// Draws anything but [`Show::Shaded`] on the threads of the current pool; the numbers, where there are some.
+/// Draws what is not shaded on the threads of the current pool; the numbers, where there are some.
 pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) -> Result<(Picture, Option<Spread>)> {
-    if args.samples.is_some() {
-        return Err(Error::usage("--samples: a picture that is not shaded has one ray per pixel")
-            .hint("leave --samples or --show away"));
+    for (given, flag) in [(args.samples.is_some(), "--samples"), (args.supersample.is_some(), "--supersample")] {
+        if given {
+            return Err(Error::usage(format_args!("{flag}: a picture that is not shaded has one ray per pixel"))
+                .hint(format!("leave {flag} or --show away")));
+        }
     }
     let start = Instant::now();
-    let (dag, normals) = (shown.dag, args.normals.kind(&shown.materials)?);
+    let (geometry, normals) = (shown.geometry, args.normals.kind(&shown.materials)?);
     // Pixels, the encoder's bytes, and the numbers.
     let mut pixels = picture::room(args.size, 12, memory)?;
     let mut values = Vec::new();
@@ -80,7 +85,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
     let spread = Spread::of(&values);
     if let Some(spread) = spread {
         let colour: &dyn Fn(f32) -> [f32; 3] = match show {
-            Show::Level => &|level| heat(part(level, 0.0..=f32::from(dag.depth()))),
+            Show::Level => &|level| heat(part(level, 0.0..=f32::from(geometry.depth()))),
             Show::Iterations => &|rounds| heat(part(rounds, 0.0..=spread.max as f32)),
             _ => &|depth| [1.0 - 0.85 * part(depth, spread.min as f32..=spread.max as f32); 3],
         };
@@ -91,7 +96,9 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
     let [width, height] = args.size;
     let rays = Rays { primary: counters.primary, shadow: 0, secondary: 0 };
     let (hits, trace) = (counters.hits, start.elapsed());
-    Ok((Picture { width, height, samples: 1, pixels, rays, hits, effects: Vec::new(), trace }, spread))
+    let picture =
+        Picture { width, height, samples: 1, pixels, rays, hits, supersampled: 0.0, effects: Vec::new(), trace };
+    Ok((picture, spread))
 }
 
 /// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is
@@ -108,12 +115,12 @@ fn look<T: Send>(
     shown: &Shown<'_>,
     args: &PictureArgs,
     out: &mut [T],
-    see: impl Fn(&Tracer<'_>, &Query, Option<&Hit>, u32) -> T + Sync,
+    see: impl Fn(&Tracer<'_, AnyGeometry<'_>>, &Query, Option<&Hit>, u32) -> T + Sync,
 ) -> Result<Counters> {
     let camera = picture::camera(shown, &args.camera)?;
     let arithmetic = args.arithmetic.kind();
-    let top = scene::top_grid(shown.dag)?;
-    let tracer = Tracer::with_top(shown.dag, top.as_top()).unwrap_or(Tracer::new(shown.dag));
+    let top = scene::top_grid(shown.geometry)?;
+    let tracer = Tracer::with_top(shown.geometry, top.as_top()).unwrap_or(Tracer::new(shown.geometry));
     picture::in_bands("drawing", args.size, out, |rows, out| {
         let mut counters = Counters::default();
         each_pixel(&camera, &shown.grid, args.size, rows, out, |pixel| {
@@ -137,9 +144,9 @@ fn distance(shown: &Shown<'_>, query: &Query, hit: Option<&Hit>) -> f32 {
 /// and 0 for an eye inside a voxel.
 fn level(shown: &Shown<'_>, hit: &Hit) -> u8 {
     match hit.from {
-        Some(voxel) => shown.dag.empty_level(voxel).unwrap_or(0),
+        Some(voxel) => shown.geometry.empty_level(voxel).unwrap_or(0),
         None if hit.face == Face::Inside => 0,
-        None => shown.dag.depth(),
+        None => shown.geometry.depth(),
     }
 }
 

@@ -69,7 +69,10 @@ const SMALL: &str = "--size 32x24 --repeat 1 --json";
 fn normals_of_every_kind() {
     let s = Sandbox::new();
     let json = s.ok(&format!("bench normals box.obj -r 64 {SMALL}")).json();
-    positive(&json, "hits face.ns face.ns_min face.ns_max gradient.ns plane1.ns plane2.ns plane3.ns");
+    positive(
+        &json,
+        "hits face.ns face.ns_min face.ns_max gradient.ns plane1.ns plane2.ns plane3.ns ernerfeldt1.ns ernerfeldt2.ns",
+    );
     assert_eq!(json["stored"], Value::Null);
     assert_ne!(json["face"]["checksum"], json["plane3"]["checksum"]);
     let json = s.ok(&format!("bench normals box.obj -r 64 --materials table-normals {SMALL}")).json();
@@ -123,7 +126,9 @@ fn accuracy_of_the_textbook_methods() {
     }
     assert!(number(&json, "overlap.f64.extra") > 0.0);
     // The known accuracy of fitted normals.
-    for (kind, below) in [("face", 60.0), ("plane1", 9.0), ("plane2", 4.0), ("plane3", 2.5)] {
+    let known =
+        [("face", 60.0), ("plane1", 9.0), ("plane2", 4.0), ("plane3", 2.5), ("ernerfeldt1", 9.0), ("ernerfeldt2", 4.0)];
+    for (kind, below) in known {
         for shape in ["sphere", "plane", "torus"] {
             let degrees = number(&json, &format!("normals.{kind}.{shape}"));
             assert!(degrees > 0.0 && degrees < below, "{kind} {shape}: {degrees}");

@@ -160,7 +160,10 @@ fn order_and_bytes_do_not_depend_on_threads_or_on_where_rays_come_from() {
     for (ray, line) in String::from_utf8(s.read("rays.csv")).unwrap().lines().zip(text.lines().skip(1)) {
         let n: Vec<f64> = ray.split(',').map(|x| x.parse().unwrap()).collect();
         let dir = [n[3], n[4], n[5]].map(|d| d / scene.grid.voxel_size);
-        let hit = scene.dag.trace(&voxdag::trace::Query::new(scene.grid.to_grid([n[0], n[1], n[2]]), dir));
+        let hit = voxdag::trace::Tracer::new(scene.geometry).trace(
+            voxdag::trace::Arithmetic::Exact,
+            &voxdag::trace::Query::new(scene.grid.to_grid([n[0], n[1], n[2]]), dir),
+        );
         let found: Vec<_> = line.split(',').collect();
         assert_eq!(found.len(), 10);
         match hit {

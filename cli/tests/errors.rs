@@ -320,7 +320,7 @@ fn scene_with_entries(s: &Sandbox, name: &str, entries: &[u32]) {
         bounds: voxdag::grid::Bounds { min: [0.0; 3], max: [4.0; 3] },
         up: Default::default(),
         metres_per_unit: 0.0,
-        dag: dag.dag(),
+        geometry: dag.dag().into(),
         voxel_materials: AnyMaterials::Table(table.as_table()),
         materials: &[voxdag::Material::GREY],
         names: &["grey"],

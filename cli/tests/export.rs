@@ -2,6 +2,7 @@
 
 mod common;
 use common::{GRID, Sandbox};
+use voxdag::Geometry;
 use voxdag::build::DagBuilder;
 use voxdag::file::Parts;
 use voxdag::grid::{Bounds, UpAxis};
@@ -36,7 +37,7 @@ fn xyz_and_npy_list_the_voxels_in_morton_order() {
         let words = words(&s, &format!("{name}.vxd"));
         let scene = voxdag::file::read(&words).unwrap();
         let expected: Vec<[u32; 4]> = scene
-            .dag
+            .geometry
             .voxels()
             .map(|v| {
                 let [x, y, z] = v.decode();
@@ -96,7 +97,7 @@ fn binvox_unpacks_to_the_same_voxels_at_the_same_place() {
             for z in 0..n {
                 for y in 0..n {
                     let voxel = Morton::encode([x, y, z]).unwrap();
-                    assert_eq!(cell.next(), Some(scene.dag.contains(voxel)), "{name} {x} {y} {z}");
+                    assert_eq!(cell.next(), Some(scene.geometry.contains(voxel)), "{name} {x} {y} {z}");
                 }
             }
         }
@@ -148,7 +149,7 @@ fn fullest_cube(s: &Sandbox, name: &str, table: bool) {
         bounds: Bounds { min: grid.origin, max: grid.to_world([f64::from(1 << 21); 3]) },
         up: UpAxis::Y,
         metres_per_unit: 0.0,
-        dag: cube.dag(),
+        geometry: cube.dag().into(),
         voxel_materials: if table { AnyMaterials::Table(entries.as_table()) } else { AnyMaterials::Single(Single(0)) },
         materials: &[Material::GREY],
         names: &["grey"],

@@ -56,11 +56,12 @@ pub mod dag;
 
 pub mod build;
 
+pub mod ssvdag;
+
 pub mod table;
 
 pub mod tree;
 
-#[cfg(feature = "alloc")]
 pub mod svo;
 
 pub mod rank;
@@ -100,6 +101,7 @@ pub use materials::Materials;
 pub use mesh::Mesh;
 pub use morton::Morton;
 pub use rank::Rank;
+pub use ssvdag::Ssvdag;
 pub use table::{Table, TableMut};
 pub use tree::Tree;
 

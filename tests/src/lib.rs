@@ -14,6 +14,7 @@ pub mod brute;
 pub mod ray;
 
 pub mod eigen;
+pub mod mirrors;
 pub mod octree;
 pub mod scenes;
 pub mod subject;

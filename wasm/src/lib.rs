@@ -34,7 +34,7 @@ impl Viewer {
 
     /// Number of filled voxels; exact up to 2^53.
     pub fn voxels(&self) -> Result<f64, JsError> {
-        let stats = self.scene()?.dag.stats();
+        let stats = self.scene()?.geometry.stats();
         let stats = stats.map_err(|bytes| JsError::new(&format!("out of memory: {bytes} bytes could not be had")))?;
         Ok(stats.voxels as f64)
     }

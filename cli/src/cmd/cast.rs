@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::Morton;
 use voxdag::file::Scene;
+use voxdag::geometry::{AnyGeometry, Geometry};
 use voxdag::materials::Materials;
 use voxdag::normal::{self, NormalKind};
 use voxdag::trace::{Arithmetic, Face, Hit, Query, Tracer};
@@ -128,10 +129,10 @@ pub fn run(args: &Args) -> Result<()> {
     let pool = args.machine.pool()?;
     let words = input::read_scene_within(&args.scene, &mut args.machine.memory())?;
     let scene = scene::open(&args.scene, &words)?;
-    let top = scene::top_grid(scene.dag)?;
+    let top = scene::top_grid(scene.geometry)?;
     let caster = Caster {
         scene: &scene,
-        tracer: Tracer::with_top(scene.dag, top.as_top()).unwrap_or(Tracer::new(scene.dag)),
+        tracer: Tracer::with_top(scene.geometry, top.as_top()).unwrap_or(Tracer::new(scene.geometry)),
         space: args.space,
         arithmetic: args.arithmetic,
         normals: args.normals.kind(&scene.materials)?,
@@ -196,7 +197,7 @@ pub fn run(args: &Args) -> Result<()> {
 /// What rays are asked of.
 struct Caster<'a> {
     scene: &'a Scene<'a>,
-    tracer: Tracer<'a>,
+    tracer: Tracer<'a, AnyGeometry<'a>>,
     space: Space,
     arithmetic: CastArithmetic,
     normals: NormalKind,
@@ -251,18 +252,18 @@ impl Caster<'_> {
 
     /// The first voxel that the ray meets.
     fn trace(&self, query: &Query) -> Option<Hit> {
-        let dag = self.scene.dag;
+        let geometry = self.scene.geometry;
         match self.arithmetic {
             CastArithmetic::Exact => self.tracer.trace(Arithmetic::Exact, query),
             CastArithmetic::F64 => self.tracer.trace(Arithmetic::F64, query),
             CastArithmetic::F32 => {
                 let single = |v: [f64; 3]| v.map(|x| x as f32);
-                let filled = |voxel| Morton::encode(voxel).is_some_and(|voxel| dag.contains(voxel));
+                let filled = |voxel| Morton::encode(voxel).is_some_and(|voxel| geometry.contains(voxel));
                 let (origin, dir) = (single(query.origin), single(query.dir));
                 if !origin.iter().chain(&dir).all(|x| x.is_finite()) || dir == [0.0; 3] {
                     return None;
                 }
-                let hit = dda_f32_hit(origin, dir, query.t_min as f32, dag.depth(), filled)?;
+                let hit = dda_f32_hit(origin, dir, query.t_min as f32, geometry.depth(), filled)?;
                 let face = hit.axis.map_or(Face::Inside, |axis| FACES[axis][usize::from(dir[axis] > 0.0)]);
                 let hit = Hit { voxel: Morton::encode(hit.voxel)?, from: None, t: hit.t.into(), level: 0, face };
                 (hit.t < query.t_max).then_some(hit)

@@ -75,7 +75,7 @@ pub fn run(args: &Args) -> Result<()> {
     let built = pool.install(|| scene::build(&source, &building, &mut memory))?;
     memory.release(source.bytes);
     drop(source);
-    let picture = pool.install(|| picture::draw(&built.shown(), &view(), &memory))?;
+    let picture = pool.install(|| picture::draw(&built.shown(), &view(), false, &memory))?;
     output.finish(|file| picture.write_png(file)).map_err(elsewhere)?;
 
     let Cost { parse, voxelize, reduce, materials } = built.cost;
@@ -114,6 +114,7 @@ fn view() -> PictureArgs {
         ambient: view.ambient,
         normals: NormalsArg::default(),
         samples: None,
+        supersample: None,
         arithmetic: ArithmeticArg::default(),
     }
 }

@@ -95,7 +95,7 @@ pub fn run(args: &Args) -> Result<()> {
         return Err(Error::new(Kind::Limit, message)
             .hint(format_args!("export to xyz or npy, or build the scene again with -r {most}")));
     }
-    let voxels = scene::count(scene.dag)?.voxels;
+    let voxels = scene::count(scene.geometry)?.voxels;
     // Who reads lines can stop; a file, or an array with its length in front, is wanted whole.
     let whole = args.to == Format::Npy || args.to == Format::Xyz && to_file;
     if whole && voxels > MOST_LISTED {
@@ -113,7 +113,7 @@ pub fn run(args: &Args) -> Result<()> {
     sink.finish(|out| {
         let mut out = Counted { out, bytes: &mut bytes };
         match args.to {
-            Format::Binvox => formats::binvox(scene.dag, &scene.grid, &mut out),
+            Format::Binvox => formats::binvox(scene.geometry, &scene.grid, &mut out),
             Format::Xyz => formats::xyz(&scene, &mut out),
             Format::Npy => formats::npy(&scene, voxels, &mut out),
         }

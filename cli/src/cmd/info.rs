@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use serde::Serialize;
+use voxdag::Geometry;
 use voxdag::dag::{BRICK_LEVEL, LevelStats};
 use voxdag::grid::UpAxis;
 use voxdag::material::MaterialId;
@@ -81,11 +82,11 @@ struct Named {
 pub fn run(args: &Args) -> Result<()> {
     let words = input::read_scene(&args.scene)?;
     let scene = scene::open(&args.scene, &words)?;
-    let stats = scene::count(scene.dag)?;
+    let stats = scene::count(scene.geometry)?;
     let grid = scene.grid;
-    let bytes = Bytes::of(scene.dag, scene.materials, 4 * words.len() as u64);
+    let bytes = Bytes::of(scene.geometry, &stats, scene.materials, 4 * words.len() as u64);
     let per_voxel = |bytes: u64| 8.0 * bytes as f64 / stats.voxels.max(1) as f64;
-    let levels = (BRICK_LEVEL..=scene.dag.depth().max(BRICK_LEVEL)).rev().map(|level| {
+    let levels = (BRICK_LEVEL..=scene.geometry.depth().max(BRICK_LEVEL)).rev().map(|level| {
         let LevelStats { unique, octree } = stats.levels[usize::from(level)];
         Level { level, side: 1 << level, unique, octree }
     });

@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::formats;
 use crate::input::{self, Content};
 use crate::memory::Memory;
-use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs};
+use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg};
 use crate::output::Output;
 use crate::picture::{self, Picture, Rays, Shown};
 use crate::report::{self, Lines, grouped, shell_word, time};
@@ -33,7 +33,7 @@ pub struct Args {
     #[arg(short, long, value_name = "IMG.png")]
     output: PathBuf,
 
-    /// What the picture shows; all but shaded take one ray per pixel
+    /// What the picture shows; all but shaded and samples take one ray per pixel
     #[arg(long, value_enum, value_name = "WHAT", default_value_t)]
     show: Show,
 
@@ -58,6 +58,10 @@ struct Report<'a> {
     height: u32,
     /// Per pixel.
     samples: u32,
+    /// Which pixels take all of them.
+    supersample: String,
+    /// Their share, where they take more than one.
+    supersampled: f64,
     /// Of the voxels.
     resolution: u32,
     rays: Rays,
@@ -119,6 +123,8 @@ pub fn run(args: &Args) -> Result<()> {
         width,
         height,
         samples: picture.samples,
+        supersample: args.picture.supersample.unwrap_or(SupersampleArg::All).to_string(),
+        supersampled: picture.supersampled,
         resolution: grid.resolution,
         rays,
         hits,
@@ -134,7 +140,7 @@ pub fn run(args: &Args) -> Result<()> {
     if !is_scene {
         let scene = shell_word(&args.output.with_extension("vxd"));
         report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
-    } else if args.picture.samples.is_none() && args.show == Show::Shaded {
+    } else if args.show == Show::Shaded && args.picture.samples.is_none() && args.picture.supersample.is_none() {
         report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
@@ -152,7 +158,13 @@ struct Drawn {
 /// Draws what the flags ask for.
 fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
     let (picture, shown) = match args.show {
-        Show::Shaded => (picture::draw(scene, &args.picture, memory)?, None),
+        Show::Samples if args.picture.supersample.is_none() => {
+            return Err(Error::usage("--show samples: without --supersample all pixels are alike")
+                .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
+        }
+        Show::Shaded | Show::Samples => {
+            (picture::draw(scene, &args.picture, args.show == Show::Samples, memory)?, None)
+        }
         show => show::draw(scene, &args.picture, show, memory)?,
     };
     let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, memory)).transpose()?;
@@ -163,9 +175,13 @@ fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
 fn lines(report: &Report<'_>) -> Lines {
     let mut lines = Lines::default();
     let effects = if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") };
+    let pixels = match report.supersample.as_str() {
+        "all" => "pixel".to_owned(),
+        which => format!("pixel in {:.1} % of them ({which})", 100.0 * report.supersampled),
+    };
     let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
     lines
-        .row("picture", format!("{}x{}, {} samples per pixel", report.width, report.height, report.samples))
+        .row("picture", format!("{}x{}, {} samples per {pixels}", report.width, report.height, report.samples))
         .row("resolution", format!("{} voxels along the longest axis", grouped(report.resolution.into())))
         .row("rays", report.rays.text())
         .row("hits", format!("{} ({share:.1} %)", grouped(report.hits)))

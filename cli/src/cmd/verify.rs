@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::materials::AnyMaterials;
-use voxdag::{Dag, Morton, Table};
+use voxdag::{Geometry, Morton, Table};
 
 use crate::error::{Error, Result};
 use crate::input;
@@ -58,8 +58,8 @@ pub fn run(args: &Args) -> Result<()> {
 fn check(args: &Args) -> Result<()> {
     let words = input::read_scene(&args.scene)?;
     let scene = scene::open(&args.scene, &words)?;
-    let stats = scene::count(scene.dag)?;
-    let (dag, unique) = (scene.dag, stats.nodes() + u64::from(scene.dag.brick_count()));
+    let stats = scene::count(scene.geometry)?;
+    let (geometry, unique) = (scene.geometry, stats.nodes() + stats.levels[usize::from(BRICK_LEVEL)].unique);
     let mut checks = vec![
         Check { name: "header", found: format!("{}, every checksum right", size(4 * words.len() as u64)) },
         Check {
@@ -72,7 +72,7 @@ fn check(args: &Args) -> Result<()> {
         },
     ];
     if let AnyMaterials::Table(table) = scene.materials {
-        each_voxel_has_its_entry(&args.scene, dag, table, &stats)?;
+        each_voxel_has_its_entry(&args.scene, geometry, table, &stats)?;
         let found = format!("{} entries: one for every voxel and no more", grouped(table.len()));
         checks.push(Check { name: "table", found });
     }
@@ -92,13 +92,13 @@ fn check(args: &Args) -> Result<()> {
 }
 
 /// Loading makes sure that the table is one; only here is it held against the voxels.
-fn each_voxel_has_its_entry(path: &Path, dag: Dag<'_>, table: Table<'_>, stats: &Stats) -> Result<()> {
+fn each_voxel_has_its_entry(path: &Path, geometry: impl Geometry, table: Table<'_>, stats: &Stats) -> Result<()> {
     // Counted first: that bounds the walk by the size of the file, whatever the DAG claims.
     if table.len() != stats.voxels {
         return Err(damaged(path, format_args!("{} voxels, but {} entries", stats.voxels, table.len())));
     }
     let progress = Progress::stage("checking", stats.levels[usize::from(BRICK_LEVEL)].octree);
-    for (first, mut mask) in dag.bricks() {
+    for (first, mut mask) in geometry.bricks() {
         while mask != 0 {
             let voxel = Morton(first.0 | u64::from(mask.trailing_zeros()));
             if table.get(voxel).is_none() {

@@ -92,7 +92,7 @@ impl Sandbox {
             bounds: voxdag::grid::Bounds { min: corner(0), max: corner(grid.resolution) },
             up: Default::default(),
             metres_per_unit: 0.0,
-            dag: dag.dag(),
+            geometry: dag.dag().into(),
             voxel_materials: AnyMaterials::Table(table.as_table()),
             materials: &[voxdag::Material::GREY; 3],
             names: &["grey", "red, dark", "blue"],

@@ -8,10 +8,14 @@
 
 #[cfg(feature = "alloc")]
 mod grow;
+#[cfg(feature = "alloc")]
+mod intern;
 mod lent;
 
 #[cfg(feature = "alloc")]
 pub use grow::{DagBuf, DagBuilder, Mix};
+#[cfg(feature = "alloc")]
+pub(crate) use intern::Interned;
 pub use lent::{build_into, scratch_words, words_bound};
 
 use crate::dag::{BRICK_LEVEL, NODE};

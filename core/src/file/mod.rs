@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! word  0      magic: the bytes "VXD", 0x1a            28, 29  metres per world unit, 0 if unknown
-//!       1      version: 1, or 2 with a tree            30, 31  0
+//!       1      version: 1, 2 from kind 5, 3 from 6       30, 31  0
 //!       2, 3   words in the file (low, high)           32..    one row of 6 words per section, in file order:
 //!       4      resolution                                      [ kind ][ CRC-32 ][ offset ][ - ][ length ][ - ]
 //!       5      up axis: 1 is y, 2 is z                 then    CRC-32 of all words before it
@@ -12,6 +12,9 @@
 //!       8..    f64: origin x y z, voxel size                   3 materials   20 words each
 //!       16..   f64: the mesh's box, min x y z, max x y z       4 names       byte offsets, one more than materials; UTF-8
 //!                                                              5 tree        words of `tree`, instead of a table
+//!                                                              6 SSVDAG      words of `ssvdag`, instead of a DAG
+//!                                                              7 ranks       words of `rank`: prefix counts or totals
+//!                                                              8 ids         words of `ranked`, instead of a table
 //! ```
 //!
 //! f64, offsets and lengths are two words, low first. Sections of unknown kind are skipped once their CRC is right, so
@@ -27,17 +30,21 @@ pub use names::Name;
 pub use write::{Parts, WriteError};
 
 use crate::dag::Dag;
+use crate::geometry::{AnyGeometry, Geometry};
 use crate::grid::{Bounds, Grid, UpAxis};
 use crate::material::{Material, MaterialId};
 use crate::materials::{AnyMaterials, Single};
+use crate::rank::{AnyRank, Prefix, Totals};
+use crate::ranked::{Packed, Ranked};
+use crate::ssvdag::Ssvdag;
 use crate::table::Table;
 use crate::tree::Tree;
 use names::Names;
 
 /// The first word: the bytes `V`, `X`, `D` and 0x1a, which ends a text file, so that no text starts like this.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"VXD\x1a");
-/// The newest version. A scene without a tree is written as version 1.
-pub const VERSION: u32 = 2;
+/// The newest version. A scene is written as the oldest version that knows all its sections.
+pub const VERSION: u32 = 3;
 /// Words before the section table.
 pub const HEADER: usize = 32;
 /// Words per row of the section table.
@@ -56,9 +63,9 @@ pub struct Scene<'a> {
     pub up: UpAxis,
     /// Metres per world unit; 0 if nobody said.
     pub metres_per_unit: f64,
-    /// The filled voxels. Its depth is the grid's; filled voxels beyond the resolution, within the cube of 2^depth,
+    /// The filled voxels. Their depth is the grid's; filled voxels beyond the resolution, within the cube of 2^depth,
     /// are not looked for: they do no harm.
-    pub dag: Dag<'a>,
+    pub geometry: AnyGeometry<'a>,
     /// Which material a voxel has. That its entries are the DAG's voxels is not checked: missing ones have material 0.
     pub materials: AnyMaterials<'a>,
     records: &'a [[u32; RECORD]],
@@ -116,26 +123,48 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
     let metres_per_unit = f64_at(header, 28);
 
     // The sections.
-    let dag = Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?;
-    let (table, tree) = (sections[Section::Table as usize], sections[Section::Tree as usize]);
-    let materials = match (table, tree, MaterialId::try_from(header[6])) {
-        (Some(_), Some(_), _) => return Err(LoadError::TableAndTree),
-        (Some(table), None, Ok(0)) => AnyMaterials::Table(Table::new(table).map_err(LoadError::Table)?),
-        (None, Some(tree), Ok(0)) => AnyMaterials::Tree(Tree::new(tree).map_err(LoadError::Tree)?),
-        (Some(_), _, _) | (_, Some(_), _) => return Err(LoadError::Reserved { word: 6 }),
-        (None, None, Ok(id)) => AnyMaterials::Single(Single(id)),
-        (None, None, Err(_)) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
+    let found = |section: Section| sections[section as usize].map(|words| (section, words));
+    let geometry = match one_of([found(Section::Dag), found(Section::Ssvdag)])? {
+        Some((Section::Ssvdag, words)) => AnyGeometry::Ssvdag(Ssvdag::new(words).map_err(LoadError::Ssvdag)?),
+        _ => AnyGeometry::Dag(Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?),
+    };
+    let materials = match one_of([found(Section::Table), found(Section::Tree), found(Section::Ids)])? {
+        Some(_) if header[6] != 0 => return Err(LoadError::Reserved { word: 6 }),
+        Some((Section::Table, words)) => AnyMaterials::Table(Table::new(words).map_err(LoadError::Table)?),
+        Some((Section::Tree, words)) => AnyMaterials::Tree(Tree::new(words).map_err(LoadError::Tree)?),
+        Some((_, words)) => {
+            let counts = required(Section::Ranks)?;
+            let rank = match geometry {
+                AnyGeometry::Ssvdag(ssvdag) => Totals::new(ssvdag, counts).map(AnyRank::Totals),
+                _ => Prefix::new(Dag::new(geometry.words()).map_err(LoadError::Dag)?, counts).map(AnyRank::Prefix),
+            };
+            let ids = Packed::new(words).map_err(LoadError::Ids)?;
+            AnyMaterials::Ranked(Ranked::new(rank.map_err(LoadError::Ranks)?, ids).map_err(LoadError::Ids)?)
+        }
+        None => match MaterialId::try_from(header[6]) {
+            Ok(id) => AnyMaterials::Single(Single(id)),
+            Err(_) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
+        },
     };
     let (records, rest) = required(Section::Materials)?.as_chunks::<RECORD>();
     if !rest.is_empty() {
         return Err(LoadError::MaterialCount { found: (records.len() * RECORD + rest.len()) as u64 });
     }
     let names = Names::new(required(Section::Names)?, records.len())?;
-    check(&grid, &bounds, metres_per_unit, dag, materials, records.len())?;
+    check(&grid, &bounds, metres_per_unit, geometry, materials, records.len())?;
     for (index, record) in records.iter().enumerate() {
         check_record(index as u32, record)?;
     }
-    Ok(Scene { grid, bounds, up, metres_per_unit, dag, materials, records, names })
+    Ok(Scene { grid, bounds, up, metres_per_unit, geometry, materials, records, names })
+}
+
+/// The one section that is there, if there is one.
+fn one_of<const N: usize>(found: [Option<(Section, &[u32])>; N]) -> Result<Option<(Section, &[u32])>, LoadError> {
+    let mut found = found.into_iter().flatten();
+    match (found.next(), found.next()) {
+        (Some((first, _)), Some((second, _))) => Err(LoadError::Conflict { first, second }),
+        (one, _) => Ok(one),
+    }
 }
 
 /// The words of a file's bytes. Its length and first bytes are checked here, the rest by [`read`].
@@ -204,7 +233,7 @@ fn check(
     grid: &Grid,
     bounds: &Bounds,
     metres_per_unit: f64,
-    dag: Dag<'_>,
+    geometry: AnyGeometry<'_>,
     materials: AnyMaterials<'_>,
     count: usize,
 ) -> Result<(), LoadError> {
@@ -215,13 +244,13 @@ fn check(
     if !(metres_per_unit >= 0.0 && metres_per_unit.is_finite()) {
         return Err(LoadError::Unit);
     }
-    if dag.depth() != grid.depth() {
-        return Err(LoadError::Depth { expected: grid.depth(), found: dag.depth() });
+    if geometry.depth() != grid.depth() {
+        return Err(LoadError::Depth { expected: grid.depth(), found: geometry.depth() });
     }
     if let AnyMaterials::Tree(tree) = materials
-        && tree.depth() != dag.depth()
+        && tree.depth() != geometry.depth()
     {
-        return Err(LoadError::TreeDepth { expected: dag.depth(), found: tree.depth() });
+        return Err(LoadError::TreeDepth { expected: geometry.depth(), found: tree.depth() });
     }
     if count == 0 || count > 1 << 16 {
         return Err(LoadError::MaterialCount { found: (count * RECORD) as u64 });

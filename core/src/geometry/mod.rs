@@ -7,8 +7,11 @@
 //! Numbers of nodes are below 2^31. Queries are total: after the view's check no number that it gave out, asked for at its
 //! level, can panic. The answers depend on the voxels alone, so all layouts of the same voxels give the same pictures.
 
+mod any;
+mod extent;
 mod voxels;
 
+pub use any::AnyGeometry;
 pub(crate) use voxels::Nodes;
 pub use voxels::{Bricks, Voxels};
 
@@ -97,6 +100,13 @@ pub trait Geometry: Copy + Send + Sync + core::fmt::Debug {
             return None;
         }
         Some(u8::from(self.depth() > 0 && brick >> (voxel.0 & 56) & 0xff == 0))
+    }
+
+    /// The smallest box of cubes of the octree's `level` that holds all filled voxels: its first and its last voxel.
+    /// Level 0 is exact; a higher one bounds the work, which grows with the area of the box's sides in such cubes where
+    /// voxels are not flush with them. `None` without voxels.
+    fn extent(self, level: u8) -> Option<[[u32; 3]; 2]> {
+        extent::extent(self, level)
     }
 
     /// All filled voxels in Morton order.

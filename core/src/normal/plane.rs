@@ -1,8 +1,7 @@
 //! The plane through a set of voxels: the smallest eigenvector of their covariance.
 //!
-//! In: exact moments. Out: the plane's normal with its quality, or why there is no plane. Differs from the thesis
-//! (section 4.3.2, after Ernerfeldt 2017), whose weighted regressions tilt by up to 10 degrees on two parallel sheets
-//! and do not commute with mirrors.
+//! In: exact moments. Out: the plane's normal with its quality, or why there is no plane. The thesis fits its planes by
+//! weighted regressions instead: see [`super::ernerfeldt`].
 //!
 //! The covariance times n^2, its minors and its determinant are exact i64. The smallest eigenvalue comes from the
 //! characteristic polynomial, whose integer coefficients are the same for all 48 orientations of a neighbourhood, so
@@ -34,36 +33,64 @@ pub(super) enum Fit {
     },
 }
 
+/// How a set of n voxels spreads: n^2 times the covariance, and its adjugate. Exact; off-diagonals by the axis that is
+/// missing.
+pub(super) struct Scatter {
+    d: [i64; 3],
+    o: [i64; 3],
+    pub(super) adj_d: [i64; 3],
+    pub(super) adj_o: [i64; 3],
+}
+
+impl Scatter {
+    pub(super) fn of(m: &Moments) -> Scatter {
+        let (n, s) = (m.count, m.first);
+        let next = |i: usize| ((i + 1) % 3, (i + 2) % 3);
+        let d: [i64; 3] = core::array::from_fn(|i| n * m.squares[i] - s[i] * s[i]);
+        let o: [i64; 3] = core::array::from_fn(|i| {
+            let (j, k) = next(i);
+            n * m.products[i] - s[j] * s[k]
+        });
+        let adj_d = core::array::from_fn(|i| {
+            let (j, k) = next(i);
+            d[j] * d[k] - o[i] * o[i]
+        });
+        let adj_o = core::array::from_fn(|i| {
+            let (j, k) = next(i);
+            o[j] * o[k] - o[i] * d[i]
+        });
+        Scatter { d, o, adj_d, adj_o }
+    }
+
+    fn trace(&self) -> i64 {
+        self.d.iter().sum()
+    }
+
+    /// Sum of the principal minors.
+    fn minors(&self) -> i64 {
+        self.adj_d.iter().sum()
+    }
+
+    /// [`Fit::Point`] or [`Fit::Line`], if the voxels span no more.
+    pub(super) fn degenerate(&self) -> Option<Fit> {
+        if self.trace() == 0 {
+            return Some(Fit::Point);
+        }
+        // No principal minor: the longest column runs along the line.
+        (self.minors() == 0).then(|| Fit::Line(longest_column(self.d.map(|x| x as f64), self.o.map(|x| x as f64))))
+    }
+}
+
 /// The plane of least squares.
 pub(super) fn fit(m: &Moments) -> Fit {
-    // n^2 times the covariance, then the adjugate; off-diagonals by the axis that is missing.
-    let (n, s) = (m.count, m.first);
-    let next = |i: usize| ((i + 1) % 3, (i + 2) % 3);
-    let d: [i64; 3] = core::array::from_fn(|i| n * m.squares[i] - s[i] * s[i]);
-    let o: [i64; 3] = core::array::from_fn(|i| {
-        let (j, k) = next(i);
-        n * m.products[i] - s[j] * s[k]
-    });
-    let adj_d: [i64; 3] = core::array::from_fn(|i| {
-        let (j, k) = next(i);
-        d[j] * d[k] - o[i] * o[i]
-    });
-    let adj_o: [i64; 3] = core::array::from_fn(|i| {
-        let (j, k) = next(i);
-        o[j] * o[k] - o[i] * d[i]
-    });
-
-    // No principal minor: the voxels span a line at most, and the longest column runs along it.
-    let trace = d[0] + d[1] + d[2];
-    let minors = adj_d[0] + adj_d[1] + adj_d[2];
-    if trace == 0 {
-        return Fit::Point;
-    }
-    if minors == 0 {
-        return Fit::Line(longest_column(d.map(|x| x as f64), o.map(|x| x as f64)));
+    let scatter = Scatter::of(m);
+    if let Some(fit) = scatter.degenerate() {
+        return fit;
     }
 
     // The eigenvalues l0 <= l1 (<= l2, which is not needed).
+    let (trace, minors) = (scatter.trace(), scatter.minors());
+    let Scatter { d, o, adj_d, adj_o } = scatter;
     let determinant = d[0] * adj_d[0] + o[2] * adj_o[2] + o[1] * adj_o[1];
     let (t, e2, e3) = (trace as f64, minors as f64, determinant as f64);
     let l0 = smallest_root(t, e2, e3);

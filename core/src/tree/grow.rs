@@ -7,9 +7,8 @@
 
 use alloc::vec::Vec;
 
-use super::intern::Interned;
 use super::{BRICK, BRICK_IDS, BRICK_WORDS, ID, INNER, PAIR, SHIFT, Tree, pack};
-use crate::build::BuildError;
+use crate::build::{BuildError, Interned};
 use crate::dag::BRICK_LEVEL;
 use crate::material::MaterialId;
 use crate::morton::{BITS, Morton};

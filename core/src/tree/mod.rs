@@ -24,8 +24,6 @@
 #[cfg(feature = "alloc")]
 mod grow;
 #[cfg(feature = "alloc")]
-mod intern;
-#[cfg(feature = "alloc")]
 mod pack;
 
 #[cfg(feature = "alloc")]

@@ -7,9 +7,8 @@
 use alloc::vec::Vec;
 
 use super::grow::{Cubes, INSIDE, NOTHING, ONES, TreeBuf, VACANT, ZEROS};
-use super::intern::Interned;
 use super::{HEADER, ID, INNER, MOST, NARROW, PAIR, SHIFT};
-use crate::build::BuildError;
+use crate::build::{BuildError, Interned};
 use crate::dag::BRICK_LEVEL;
 use crate::material::MaterialId;
 

@@ -73,11 +73,19 @@ fn file(
     let bounds = mesh.validate().map_err(|e| e.to_string())?;
     let grid = Grid::fit(&bounds, resolution).map_err(|e| e.to_string())?;
     let built = Build::new(mesh, &grid, &options).and_then(|build| build.run()).map_err(|e| e.to_string())?;
-    let voxel_materials = match built.materials.as_materials() {
+    let voxel_materials = match built.materials.as_materials(None).unwrap() {
         AnyMaterials::Single(_) => AnyMaterials::Single(Single(1)),
         kept => kept,
     };
-    let parts =
-        Parts { grid, bounds, up, metres_per_unit: 0.01, dag: built.dag.dag(), voxel_materials, materials, names };
+    let parts = Parts {
+        grid,
+        bounds,
+        up,
+        metres_per_unit: 0.01,
+        geometry: built.dag.dag().into(),
+        voxel_materials,
+        materials,
+        names,
+    };
     parts.to_vec().map_err(|e| format!("the file cannot be written: {e}"))
 }

@@ -44,7 +44,7 @@ impl Stage {
 /// The hash of everything that one ray per four pixels of the picture meets.
 pub fn rays(scene: &Scene<'_>, case: &Case) -> Result<u64, RenderError> {
     let stage = Stage::of(scene, case);
-    let mut hash = Hash::default();
+    let (mut hash, tracer) = (Hash::default(), Tracer::new(scene.geometry));
     let size = case.size.map(|side| side / 2);
     // Nothing is kept, and a list of that takes no memory.
     let mut nothing = [(); WIDTH * WIDTH];
@@ -54,10 +54,10 @@ pub fn rays(scene: &Scene<'_>, case: &Case) -> Result<u64, RenderError> {
         for arithmetic in [Arithmetic::Exact, Arithmetic::F64] {
             for min_level in [3, 1, 0] {
                 let query = Query { min_level, ..query };
-                add_hit(&mut hash, scene.dag.trace_with(arithmetic, &query));
+                add_hit(&mut hash, tracer.trace(arithmetic, &query));
             }
         }
-        if let Some(hit) = scene.dag.trace(&query) {
+        if let Some(hit) = tracer.trace(Arithmetic::Exact, &query) {
             add_surface(&mut hash, scene, &stage, &query, &hit);
         }
     })?;
@@ -93,14 +93,14 @@ fn add_surface(hash: &mut Hash, scene: &Scene<'_>, stage: &Stage, query: &Query,
         NormalKind::Plane2,
         NormalKind::Plane3,
     ] {
-        let normal = normal(&Tracer::new(scene.dag), scene.materials, hit, query.dir, kind).direction;
+        let normal = normal(&Tracer::new(scene.geometry), scene.materials, hit, query.dir, kind).direction;
         let color = shade(&scene.material(id), &Surface { point, normal, view }, [0.1; 3], &stage.lights);
         hash.add_f32s(normal);
         hash.add_f32s(color);
     }
     if let Some(light) = stage.lights[0].direction_from(point) {
         let shadow = Query { start: hit.from, ..Query::new(place, light) };
-        hash.add(u32::from(scene.dag.occluded(&shadow)));
+        hash.add(u32::from(Tracer::new(scene.geometry).occluded(Arithmetic::Exact, &shadow)));
     }
 }
 
@@ -108,9 +108,9 @@ fn add_surface(hash: &mut Hash, scene: &Scene<'_>, stage: &Stage, query: &Query,
 pub fn image(scene: &Scene<'_>, case: &Case) -> Result<u64, RenderError> {
     let stage = Stage::of(scene, case);
     let (mut words, mut scratch) = ([0; Top::words_for(TOP)], [0; Top::scratch_for(TOP)]);
-    let top = Top::build_into(&scene.dag, TOP, &mut words, &mut scratch);
+    let top = Top::build_into(&scene.geometry, TOP, &mut words, &mut scratch);
     let view = View {
-        tracer: top.and_then(|top| Tracer::with_top(scene.dag, top)).unwrap_or(Tracer::new(scene.dag)),
+        tracer: top.and_then(|top| Tracer::with_top(scene.geometry, top)).unwrap_or(Tracer::new(scene.geometry)),
         materials: scene.materials,
         palette: &stage.palette,
         grid: scene.grid,

@@ -66,7 +66,7 @@ fn template_file(number: u8) -> Vec<u32> {
         bounds: Bounds { min: [0.5, -1.0, 2.0], max: [2.0, 2.0, 4.0] },
         up: if number.is_multiple_of(2) { UpAxis::Y } else { UpAxis::Z },
         metres_per_unit: 0.0,
-        dag: Dag::new(&words).unwrap(),
+        geometry: Dag::new(&words).unwrap().into(),
         voxel_materials: if number <= 2 { AnyMaterials::Table(table.as_table()) } else { single },
         materials: &[Material::GREY; 2],
         names: &["grau", "wei\u{df}"],
@@ -130,7 +130,7 @@ fn crc(words: &[u32]) -> u32 {
 
 /// Asks a scene everything there is to ask: nothing panics, and what can be compared agrees.
 fn use_all(scene: &Scene<'_>) {
-    let dag = scene.dag;
+    let dag = scene.geometry.as_dag().expect("a plain DAG");
     assert!(scene.grid.checked().is_ok() && scene.grid.depth() == dag.depth());
 
     // The voxels, as far as they can be counted off.
@@ -174,7 +174,7 @@ fn use_all(scene: &Scene<'_>) {
         bounds: scene.bounds,
         up: scene.up,
         metres_per_unit: scene.metres_per_unit,
-        dag,
+        geometry: scene.geometry,
         voxel_materials: scene.materials,
         materials: &palette,
         names: &names,
@@ -182,13 +182,13 @@ fn use_all(scene: &Scene<'_>) {
     let again = parts.to_vec().expect("what was read can be written");
     let again = file::read(&again).expect("what was written can be read");
     assert_eq!((again.grid, again.bounds, again.up), (scene.grid, scene.bounds, scene.up));
-    assert_eq!(again.dag.words(), dag.words());
+    assert_eq!(again.geometry.words(), scene.geometry.words());
     assert!(ids().zip(&palette).all(|(id, material)| again.material(id) == *material));
     assert!(ids().zip(names).all(|(id, name)| again.name(id) == name));
 }
 
 fn trace_and_draw(scene: &Scene<'_>, palette: &[Material]) {
-    let dag = scene.dag;
+    let dag = scene.geometry.as_dag().expect("a plain DAG");
     let size = f64::from(1u32 << dag.depth());
     let top = TopBuf::new(&dag, 2).unwrap();
     let tracer = Tracer::with_top(dag, top.as_top()).expect("the grid is this DAG's");

@@ -10,6 +10,7 @@ mod mtl;
 mod normals;
 mod obj;
 mod ranks;
+mod ssvdag;
 mod table;
 mod traversal;
 mod tree;
@@ -22,6 +23,7 @@ pub use mtl::mtl;
 pub use normals::normals;
 pub use obj::obj;
 pub use ranks::ranks;
+pub use ssvdag::{says_the_same, ssvdag};
 pub use table::table;
 pub use traversal::traversal;
 pub use tree::tree;
@@ -31,7 +33,7 @@ pub use triangulation::triangulation;
 pub type Law = fn(&[u8]);
 
 /// Every law by the name of its fuzz target.
-pub const ALL: [(&str, Law); 11] = [
+pub const ALL: [(&str, Law); 12] = [
     ("dag_builder", dag_builder),
     ("file", file),
     ("materials", materials),
@@ -39,6 +41,7 @@ pub const ALL: [(&str, Law); 11] = [
     ("normals", normals),
     ("obj", obj),
     ("ranks", ranks),
+    ("ssvdag", ssvdag),
     ("table", table),
     ("traversal", traversal),
     ("tree", tree),

@@ -9,11 +9,12 @@ use voxdag::{Dag, Morton};
 use super::Bytes;
 use crate::eigen::jacobi;
 use crate::octree::VoxelSet;
+use crate::textbook::ernerfeldt;
 
-/// A normal is a unit vector for any input, and the one that the documentation describes: a plane, the gradient, a line's
+/// A normal is a unit vector for any input, and the one that the documentation describes: a plane, the textbook's plane, the gradient, a line's
 /// direction made perpendicular, or the entry face.
 ///
-/// Byte 0: the lowest three bits (modulo 6) are the kind, the next three (modulo 7) the face, the upper two where the
+/// Byte 0: the lowest three bits are the kind, the next three (modulo 7) the face, the upper two where the
 /// window lies: in the middle of a cube, at its first corner, at the last one of the deepest cube, or in a cube of side 4.
 /// Then the voxel in the window of 7^3 (a u16, modulo 343), and the direction (see `Bytes::float`). The rest fills the
 /// window around the voxel (3, 3, 3): a byte (modulo 4) for 0 a box set, 1 a box cleared (two u16 for corners, modulo 343),
@@ -21,7 +22,7 @@ use crate::octree::VoxelSet;
 pub fn normals(data: &[u8]) {
     let mut bytes = Bytes(data);
     let choice = bytes.u8();
-    let (kind, face) = (KINDS[usize::from(choice & 7) % 6], FACES[usize::from(choice >> 3 & 7) % 7]);
+    let (kind, face) = (KINDS[usize::from(choice & 7)], FACES[usize::from(choice >> 3 & 7) % 7]);
     let (depth, corner) = match choice >> 6 {
         0 => (5, [13; 3]),
         1 => (4, [-3; 3]),
@@ -58,13 +59,15 @@ pub fn normals(data: &[u8]) {
     }
 }
 
-const KINDS: [NormalKind; 6] = [
+const KINDS: [NormalKind; 8] = [
     NormalKind::Face,
     NormalKind::Stored,
     NormalKind::Gradient,
     NormalKind::Plane1,
     NormalKind::Plane2,
     NormalKind::Plane3,
+    NormalKind::Ernerfeldt1,
+    NormalKind::Ernerfeldt2,
 ];
 const FACES: [Face; 7] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ, Face::Inside];
 
@@ -136,8 +139,8 @@ impl Twin {
         let radius = match kind {
             NormalKind::Face => return self.agree(found, Expected::Face, "asked for"),
             NormalKind::Gradient => return self.agree(found, self.gradient(), "gradient"),
-            NormalKind::Plane1 => 1,
-            NormalKind::Stored | NormalKind::Plane2 => 2,
+            NormalKind::Plane1 | NormalKind::Ernerfeldt1 => 1,
+            NormalKind::Stored | NormalKind::Plane2 | NormalKind::Ernerfeldt2 => 2,
             NormalKind::Plane3 => 3,
         };
         let near: Vec<Voxel> = self
@@ -159,6 +162,12 @@ impl Twin {
 
         // Relative to the voxel, so that its own place does not matter.
         let n = near.len() as f64;
+        if matches!(kind, NormalKind::Ernerfeldt1 | NormalKind::Ernerfeldt2) {
+            // By n, so that the textbook's centre of the points has no rounding error, nor has what it makes of them.
+            let points: Vec<_> = near.iter().map(|v| v.map(|x| n * x as f64)).collect();
+            let axis = ernerfeldt(&points).expect("the voxels span a plane");
+            return self.agree(found, expected(axis, self.face, 1.0), "regression");
+        }
         let points: Vec<_> = near.iter().map(|v| v.map(|x| x as f64)).collect();
         let center: [f64; 3] = core::array::from_fn(|i| points.iter().map(|p| p[i]).sum::<f64>() / n);
         let covariance = core::array::from_fn(|i| {

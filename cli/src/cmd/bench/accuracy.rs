@@ -10,9 +10,11 @@
 use std::collections::BTreeMap;
 
 use serde::Serialize;
+use voxdag::Geometry;
 use voxdag::build::DagBuf;
 use voxdag::camera::Camera;
 use voxdag::grid::{Bounds, UpAxis};
+use voxdag::match_geometry;
 use voxdag::materials::Single;
 use voxdag::math::{cross, dot, sqrt, sub};
 use voxdag::normal::{NormalKind, normal};
@@ -92,6 +94,8 @@ struct Normals {
     plane1: Degrees,
     plane2: Degrees,
     plane3: Degrees,
+    ernerfeldt1: Degrees,
+    ernerfeldt2: Degrees,
 }
 
 /// How far normals of a kind are off, on average.
@@ -114,7 +118,7 @@ pub fn run(run: &Run, scene: &Shown<'_>, source: Option<&Source>) -> Result<()> 
         repeat: run.repeat,
         threads: run.threads,
         overlap: source.map(|source| overlap(run, source, &scene.grid)).transpose()?,
-        tracing: tracing(run, scene)?,
+        tracing: match_geometry!(scene.geometry, geometry => tracing(run, scene, geometry))?,
         normals: normals(run)?,
     };
     report::result(run.report.json, &report, &lines(&report))
@@ -216,14 +220,14 @@ fn near(triangles: &[[[f64; 3]; 3]], grid: &Grid) -> Vec<Near> {
     near
 }
 
-fn tracing(run: &Run, scene: &Shown<'_>) -> Result<Tracing> {
+fn tracing<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G) -> Result<Tracing> {
     let all = rays::primary(run, scene)?;
     let some: Vec<Query> = all.iter().step_by(all.len().div_ceil(RAYS)).copied().collect();
-    let top = rays::top_grid(scene.dag)?;
-    let tracer = rays::tracer(scene.dag, &top)?;
+    let top = rays::top_grid(geometry)?;
+    let tracer = rays::tracer(geometry, &top)?;
     let by = |arithmetic| move |q: &Query| tracer.trace(arithmetic, q).map(|hit| hit.voxel);
     let (exact, f64) = (by(Arithmetic::Exact), by(Arithmetic::F64));
-    let f32 = |q: &Query| textbook(scene.dag, q);
+    let f32 = |q: &Query| textbook(geometry, q);
     let fold = |voxel: Option<Morton>| voxel.map_or(1, |v| v.0);
     let times = measure(
         run.repeat,
@@ -243,10 +247,10 @@ fn tracing(run: &Run, scene: &Shown<'_>) -> Result<Tracing> {
     })
 }
 
-fn textbook(dag: Dag<'_>, query: &Query) -> Option<Morton> {
+fn textbook(geometry: impl Geometry, query: &Query) -> Option<Morton> {
     let [origin, dir] = [query.origin, query.dir].map(|v| v.map(|x| x as f32));
-    let filled = |v| Morton::encode(v).is_some_and(|v| dag.contains(v));
-    dda_f32(origin, dir, dag.depth(), filled).and_then(Morton::encode)
+    let filled = |v| Morton::encode(v).is_some_and(|v| geometry.contains(v));
+    dda_f32(origin, dir, geometry.depth(), filled).and_then(Morton::encode)
 }
 
 /// A shape in a grid of side [`SIDE`], and the normal of its surface nearest to a point.
@@ -312,7 +316,15 @@ fn normals(run: &Run) -> Result<Normals> {
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };
-    let kinds = [NormalKind::Face, NormalKind::Gradient, NormalKind::Plane1, NormalKind::Plane2, NormalKind::Plane3];
+    let kinds = [
+        NormalKind::Face,
+        NormalKind::Gradient,
+        NormalKind::Plane1,
+        NormalKind::Plane2,
+        NormalKind::Plane3,
+        NormalKind::Ernerfeldt1,
+        NormalKind::Ernerfeldt2,
+    ];
     let times = measure(run.repeat, kinds.map(arm))?;
     let degrees = |i: usize| {
         let of = |shape: usize| known[shape].degrees(kinds[i], &found[shape]);
@@ -331,6 +343,8 @@ fn normals(run: &Run) -> Result<Normals> {
         plane1: degrees(2),
         plane2: degrees(3),
         plane3: degrees(4),
+        ernerfeldt1: degrees(5),
+        ernerfeldt2: degrees(6),
     })
 }
 
@@ -362,6 +376,8 @@ fn lines(report: &Report) -> Lines {
         ("plane1", &n.plane1),
         ("plane2", &n.plane2),
         ("plane3", &n.plane3),
+        ("ernerfeldt1", &n.ernerfeldt1),
+        ("ernerfeldt2", &n.ernerfeldt2),
     ];
     for (name, d) in kinds {
         lines.row(

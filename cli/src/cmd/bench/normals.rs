@@ -1,7 +1,8 @@
 //! `voxdag bench normals`: time per normal at the hits of a picture.
 
 use serde::Serialize;
-use voxdag::materials::{AnyMaterials, Materials};
+use voxdag::Geometry;
+use voxdag::match_geometry;
 use voxdag::normal::{NormalKind, normal};
 
 use super::rays::Found;
@@ -24,30 +25,27 @@ struct Report {
     plane1: Cost,
     plane2: Cost,
     plane3: Cost,
+    ernerfeldt1: Cost,
+    ernerfeldt2: Cost,
     /// Where the scene keeps normals.
     stored: Option<Cost>,
 }
 
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
-    let found = rays::seen(run, scene)?;
-    match scene.materials {
-        AnyMaterials::Single(materials) => with(run, scene, materials, &found),
-        AnyMaterials::Table(materials) => with(run, scene, materials, &found),
-        AnyMaterials::Tree(materials) => with(run, scene, materials, &found),
-    }
+    match_geometry!(scene.geometry, geometry => with(run, scene, geometry, &rays::seen(run, scene)?))
 }
 
-fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found]) -> Result<()> {
-    let top = rays::top_grid(scene.dag)?;
-    let tracer = rays::tracer(scene.dag, &top)?;
+fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G, found: &[Found]) -> Result<()> {
+    let top = rays::top_grid(geometry)?;
+    let (tracer, materials) = (rays::tracer(geometry, &top)?, scene.materials);
     let kind = |kind| {
         Arm::each(found, move |f: &Found| {
             let n = normal(&tracer, materials, &f.hit, f.dir, kind).direction;
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };
-    let [face, gradient, plane1, plane2, plane3, stored] = measure(
+    let [face, gradient, plane1, plane2, plane3, ernerfeldt1, ernerfeldt2, stored] = measure(
         run.repeat,
         [
             kind(NormalKind::Face),
@@ -55,6 +53,8 @@ fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found
             kind(NormalKind::Plane1),
             kind(NormalKind::Plane2),
             kind(NormalKind::Plane3),
+            kind(NormalKind::Ernerfeldt1),
+            kind(NormalKind::Ernerfeldt2),
             kind(if scene.has_normals() { NormalKind::Stored } else { NormalKind::Face }),
         ],
     )?;
@@ -69,6 +69,8 @@ fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, found: &[Found
         plane1: cost(&plane1),
         plane2: cost(&plane2),
         plane3: cost(&plane3),
+        ernerfeldt1: cost(&ernerfeldt1),
+        ernerfeldt2: cost(&ernerfeldt2),
         stored: scene.has_normals().then(|| cost(&stored)),
     };
     report::result(run.report.json, &report, &lines(&report))
@@ -84,6 +86,8 @@ fn lines(report: &Report) -> Lines {
         ("plane1", &report.plane1),
         ("plane2", &report.plane2),
         ("plane3", &report.plane3),
+        ("ernerfeldt1", &report.ernerfeldt1),
+        ("ernerfeldt2", &report.ernerfeldt2),
     ];
     for (name, cost) in kinds.into_iter().chain(report.stored.as_ref().map(|cost| ("stored", cost))) {
         lines.row(name, cost.text());

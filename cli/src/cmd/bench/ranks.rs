@@ -1,11 +1,11 @@
 //! `voxdag bench ranks`: what it takes to number the filled voxels, and to look materials up by number.
 
 use serde::Serialize;
-use voxdag::materials::{AnyMaterials, Materials};
-use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix, Rank};
+use voxdag::build::{BuildError, DagBuilder};
+use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
 use voxdag::ranked::{MoxelsBuf, PackedBuf, PalettesBuf, Ranked};
 use voxdag::table::Entry;
-use voxdag::{Dag, Morton};
+use voxdag::{Geometry, Materials, Morton, Rank};
 use voxdag_oracle::rng::Rng;
 
 use super::{Cost, Run, rays};
@@ -13,7 +13,7 @@ use crate::error::{Error, Kind, Result};
 use crate::measure::{Arm, measure};
 use crate::picture::Shown;
 use crate::report::{self, Lines, grouped, size};
-use crate::{scene, stats};
+use crate::stats;
 
 /// Voxels of the scattered look-ups, at most.
 const SCATTERED: u64 = 1 << 20;
@@ -49,8 +49,13 @@ fn built<T, E: std::fmt::Display>(build: impl FnOnce() -> std::result::Result<T,
 
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
-    let dag: Dag<'_> = scene.dag;
-    let materials: AnyMaterials<'_> = scene.materials;
+    let materials = scene.materials;
+    let (dag, _) = built(|| -> std::result::Result<_, BuildError> {
+        let mut builder = DagBuilder::new(scene.geometry.depth())?;
+        scene.geometry.bricks().try_for_each(|(code, mask)| builder.push(code, mask))?;
+        builder.finish()
+    })?;
+    let dag = dag.dag();
     let entries = || {
         dag.voxels().map(move |voxel| (voxel, Entry { material: materials.id(voxel), normal: materials.normal(voxel) }))
     };
@@ -76,7 +81,7 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     ];
 
     let hits: Vec<_> = rays::seen(run, scene)?.iter().map(|f| f.hit.voxel).collect();
-    let voxels = scene::count(dag)?.voxels;
+    let voxels = prefix.count();
     let mut scattered: Vec<_> = dag.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
     Rng::new(3).shuffle(&mut scattered);
     let arms = |voxels| {

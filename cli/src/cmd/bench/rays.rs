@@ -1,6 +1,6 @@
 //! The rays that are measured with: those of a picture, and those that leave its hits.
 
-use voxdag::Dag;
+use voxdag::Geometry;
 use voxdag::camera::Camera;
 use voxdag::math::{add_scaled, dot, sqrt, sub};
 use voxdag::trace::{Arithmetic, Face, Hit, Query, TopBuf, Tracer};
@@ -13,19 +13,19 @@ use crate::picture::{self, Shown};
 /// Of the directions of incoherent rays; any other would do as well.
 const SEED: u64 = 3;
 
-/// Cells of the top grid along an axis, as a power of two; fewer where the DAG is shallow.
+/// Cells of the top grid along an axis, as a power of two; fewer where the octree is shallow.
 pub const TOP_BITS: u8 = 6;
 
-/// The top grid of a DAG.
-pub fn top_grid(dag: Dag<'_>) -> Result<TopBuf> {
-    TopBuf::new(&dag, TOP_BITS)
+/// The top grid of a geometry.
+pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
+    TopBuf::new(&geometry, TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("no memory for a top grid of {bytes} bytes")))
 }
 
 /// What answers the rays.
-pub fn tracer<'a>(dag: Dag<'a>, top: &'a TopBuf) -> Result<Tracer<'a>> {
-    Tracer::with_top(dag, top.as_top())
-        .ok_or_else(|| Error::new(Kind::Failure, "the top grid does not fit its DAG: this is a defect of voxdag"))
+pub fn tracer<G: Geometry>(geometry: G, top: &TopBuf) -> Result<Tracer<'_, G>> {
+    Tracer::with_top(geometry, top.as_top())
+        .ok_or_else(|| Error::new(Kind::Failure, "the top grid does not fit its geometry: this is a defect of voxdag"))
 }
 
 /// One ray through the centre of every pixel, row by row.
@@ -48,11 +48,11 @@ pub struct Found {
 
 /// What the rays of a picture hit; an error if that is nothing.
 pub fn seen(run: &Run, scene: &Shown<'_>) -> Result<Vec<Found>> {
-    hits(&tracer(scene.dag, &top_grid(scene.dag)?)?, &primary(run, scene)?)
+    hits(&tracer(scene.geometry, &top_grid(scene.geometry)?)?, &primary(run, scene)?)
 }
 
 /// What the rays hit, in their order; an error if that is nothing.
-pub fn hits(tracer: &Tracer<'_>, queries: &[Query]) -> Result<Vec<Found>> {
+pub fn hits<G: Geometry>(tracer: &Tracer<'_, G>, queries: &[Query]) -> Result<Vec<Found>> {
     let found: Vec<_> = queries
         .iter()
         .filter_map(|q| {

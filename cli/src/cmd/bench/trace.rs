@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 use voxdag::trace::{Arithmetic, Hit, Query, Steps, Top, Tracer};
+use voxdag::{Geometry, match_geometry};
 
 use super::{Run, checksum, rays};
 use crate::error::Result;
@@ -98,9 +99,13 @@ fn fold(hit: Option<Hit>) -> u64 {
 
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
-    let plain = Tracer::new(scene.dag);
-    let top = rays::top_grid(scene.dag)?;
-    let tracer = rays::tracer(scene.dag, &top)?;
+    match_geometry!(scene.geometry, geometry => with(run, scene, geometry))
+}
+
+fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G) -> Result<()> {
+    let plain = Tracer::new(geometry);
+    let top = rays::top_grid(geometry)?;
+    let tracer = rays::tracer(geometry, &top)?;
     let primary = rays::primary(run, scene)?;
     let found = rays::hits(&tracer, &primary)?;
     let (shadow, random) = (rays::shadow(scene, &found), rays::random(&found));
@@ -117,24 +122,28 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
             any(&primary),
             any(&shadow),
             nearest(tracer, Arithmetic::Exact, &random),
-            Arm::pieces(1, |_| rays::top_grid(scene.dag).is_ok().into()),
+            Arm::pieces(1, |_| rays::top_grid(geometry).is_ok().into()),
         ],
     )?;
 
     let hits = |rays: &[Query], arithmetic| rays.iter().filter(|q| tracer.trace(arithmetic, q).is_some()).count();
-    let per_ray = |tracer: Tracer<'_>, of: fn(Steps) -> u32| {
+    let per_ray = |tracer: Tracer<'_, G>, of: fn(Steps) -> u32| {
         let all: u64 = primary.iter().map(|q| u64::from(of(tracer.trace_counted(Arithmetic::Exact, q).1))).sum();
         all as f64 / primary.len() as f64
     };
     let all = primary.len();
-    let bits = rays::TOP_BITS.min(Top::most_bits(&scene.dag));
+    let bits = rays::TOP_BITS.min(Top::most_bits(&geometry));
     let report = Report {
         resolution: scene.grid.resolution,
         size: run.size,
         repeat: run.repeat,
         threads: run.threads,
         primary: Rate::of(&exact, all, hits(&primary, Arithmetic::Exact)),
-        primary_no_top: Rate::of(&no_top, all, primary.iter().filter(|q| scene.dag.trace(q).is_some()).count()),
+        primary_no_top: Rate::of(
+            &no_top,
+            all,
+            primary.iter().filter(|q| plain.trace(Arithmetic::Exact, q).is_some()).count(),
+        ),
         primary_f64: Rate::of(&f64, all, hits(&primary, Arithmetic::F64)),
         primary_any: Rate::of(&any_hit, all, any_hit.checksum as usize),
         shadow: Rate::of(&shadowed, shadow.len(), shadowed.checksum as usize),

@@ -7,6 +7,8 @@
 //! Rays run in grid coordinates, surfaces are lit in the world's: the map between them keeps directions. Materials and
 //! normals are looked up at hits only.
 
+mod sampling;
+
 use core::ops::Range;
 
 use crate::camera::{Camera, CameraError, Rays};
@@ -20,62 +22,11 @@ use crate::math;
 use crate::normal::{self, NormalKind};
 use crate::shade::{self, Light, Surface};
 use crate::trace::{Arithmetic, Hit, Query, Tracer};
+use sampling::{CENTER, Seen, Smooth};
+pub use sampling::{Samples, Supersample};
 
 /// Largest width and height of a picture.
 pub const MAX_SIDE: u32 = 65_536;
-
-/// Samples per pixel, at fixed places that every float holds exactly.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum Samples {
-    /// The centre.
-    #[default]
-    One,
-    /// A rotated grid: four rows, four columns.
-    Four,
-    /// [`Samples::Four`] and the centre.
-    Five,
-    /// Centres of 4 x 4 cells.
-    Sixteen,
-    /// Centres of 8 x 8 cells.
-    SixtyFour,
-}
-
-impl Samples {
-    /// The pattern of 1, 4, 5, 16 or 64 samples; `None` for other numbers.
-    pub const fn new(count: u32) -> Option<Samples> {
-        match count {
-            1 => Some(Samples::One),
-            4 => Some(Samples::Four),
-            5 => Some(Samples::Five),
-            16 => Some(Samples::Sixteen),
-            64 => Some(Samples::SixtyFour),
-            _ => None,
-        }
-    }
-
-    /// How many there are.
-    pub const fn count(self) -> u32 {
-        match self {
-            Samples::One => 1,
-            Samples::Four => 4,
-            Samples::Five => 5,
-            Samples::Sixteen => 16,
-            Samples::SixtyFour => 64,
-        }
-    }
-
-    /// Where sample `i` (below [`Samples::count`]) lies in its pixel: x and y, above 0 and below 1.
-    pub fn position(self, i: u32) -> [f64; 2] {
-        const ROTATED: [[f64; 2]; 4] = [[0.375, 0.125], [0.875, 0.375], [0.125, 0.625], [0.625, 0.875]];
-        let cells = |side: u32| [i % side, i / side].map(|k| (f64::from(k) + 0.5) / f64::from(side));
-        match self {
-            Samples::One => [0.5; 2],
-            Samples::Four | Samples::Five => ROTATED.get(i as usize).copied().unwrap_or([0.5; 2]),
-            Samples::Sixteen => cells(4),
-            Samples::SixtyFour => cells(8),
-        }
-    }
-}
 
 /// How a picture is made.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -84,8 +35,12 @@ pub struct Settings {
     pub width: u32,
     /// Rows, 1 to 65 536.
     pub height: u32,
-    /// Samples per pixel.
+    /// Samples of the pixels that `supersample` chooses.
     pub samples: Samples,
+    /// Which pixels take all of `samples`.
+    pub supersample: Supersample,
+    /// Whether these pixels are covered with red.
+    pub mark_supersampled: bool,
     /// Where normals come from.
     pub normals: NormalKind,
     /// How rays are traced.
@@ -103,6 +58,8 @@ impl Default for Settings {
             width: 1024,
             height: 1024,
             samples: Samples::One,
+            supersample: Supersample::All,
+            mark_supersampled: false,
             normals: NormalKind::Plane2,
             arithmetic: Arithmetic::Exact,
             ambient: [0.2; 3],
@@ -140,6 +97,8 @@ pub struct Counters {
     pub secondary: u64,
     /// Primary rays that met a voxel.
     pub hits: u64,
+    /// Pixels that took all samples of a pattern of more than one.
+    pub supersampled: u64,
 }
 
 impl core::ops::AddAssign for Counters {
@@ -148,6 +107,7 @@ impl core::ops::AddAssign for Counters {
         self.shadow += other.shadow;
         self.secondary += other.secondary;
         self.hits += other.hits;
+        self.supersampled += other.supersampled;
     }
 }
 
@@ -257,41 +217,85 @@ pub fn render_rows<M: Materials, G: Geometry>(
     out: &mut [u32],
 ) -> Result<Counters, RenderError> {
     let background = settings.background.map(color::quantize);
+    let smooth = match settings.supersample {
+        Supersample::Adaptive { degrees } => Some(Smooth::within(degrees)),
+        _ => None,
+    };
     let mut counters = Counters::default();
+    let mut trace = |query: &Query| {
+        let hit = view.tracer.trace(settings.arithmetic, query);
+        counters.primary += 1;
+        counters.hits += u64::from(hit.is_some());
+        hit
+    };
+    let mut supersampled = 0;
     each_pixel(&view.camera, &view.grid, [settings.width, settings.height], rows, out, |pixel| {
-        let mut mean = Mean::default();
-        for i in 0..settings.samples.count() {
-            let query = pixel.query(settings.samples.position(i));
-            counters.primary += 1;
-            mean.add(match view.tracer.trace(settings.arithmetic, &query) {
-                Some(hit) => {
-                    counters.hits += 1;
-                    surface_color(view, settings, &query, &hit).map(color::quantize)
+        // Choose the pattern, and its first samples; what the centre's ray met is not asked for again.
+        let mut center = None;
+        let chosen = match settings.supersample {
+            Supersample::All | Supersample::Adaptive { .. } => true,
+            Supersample::Slab { axis, from, to } => {
+                let hit = trace(&pixel.query(CENTER));
+                center = Some(hit);
+                let layer = hit.and_then(|hit| hit.voxel.decode().get(usize::from(axis)).copied());
+                layer.is_some_and(|layer| (from..to).contains(&layer))
+            }
+            Supersample::Region { from, to } => (0..2).all(|i| (from[i]..to[i]).contains(&(pixel.corner[i] as u32))),
+        };
+        let samples = if chosen { settings.samples } else { Samples::One };
+        let (mut left, mut others) = match smooth {
+            Some(_) => (samples.corners(), samples.all() & !samples.corners()),
+            None => (samples.all(), 0),
+        };
+
+        // Take them, and the others as well where two of them part.
+        let (mut mean, mut first) = (Mean::default(), None);
+        while left != 0 {
+            let place = samples.position(left.trailing_zeros());
+            left &= left - 1;
+            let query = pixel.query(place);
+            let hit = match center {
+                Some(hit) if place == CENTER => hit,
+                _ => trace(&query),
+            };
+            let surface = hit.map(|hit| look(view, settings, &query, &hit));
+            mean.add(surface.map_or(background, |(color, _)| color.map(color::quantize)));
+            if let (Some(smooth), true) = (smooth, others != 0) {
+                let seen = surface.map(|(_, seen)| seen);
+                if !smooth.joins(*first.get_or_insert(seen), seen) {
+                    left |= core::mem::take(&mut others);
                 }
-                None => background,
-            });
+            }
         }
-        let [red, green, blue] = mean.srgb8();
+
+        let many = chosen && others == 0 && samples != Samples::One;
+        supersampled += u64::from(many);
+        let mut rgb = mean.srgb8();
+        if many && settings.mark_supersampled {
+            rgb = [255, rgb[1] / 3, rgb[2] / 3];
+        }
+        let [red, green, blue] = rgb;
         u32::from_le_bytes([red, green, blue, 255])
     })?;
-    Ok(counters)
+    Ok(Counters { supersampled, ..counters })
 }
 
-/// What the surface at a hit sends back along the ray: linear red, green, blue.
-fn surface_color<M: Materials, G: Geometry>(
+/// What the surface at a hit sends back along the ray, linear red, green, blue; and which surface it is.
+fn look<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,
     query: &Query,
     hit: &Hit,
-) -> [f32; 3] {
+) -> ([f32; 3], Seen) {
     let id = view.materials.id(hit.voxel);
     let material = view.palette.get(usize::from(id)).unwrap_or(&Material::GREY);
-    let normal = normal::normal(&view.tracer, view.materials, hit, query.dir, settings.normals);
+    let normal = normal::normal(&view.tracer, view.materials, hit, query.dir, settings.normals).direction;
     let back = math::normalize(query.dir.map(|x| -x)).unwrap_or([0.0; 3]);
     let surface = Surface {
         point: view.grid.to_world(math::add_scaled(query.origin, query.dir, hit.t)),
-        normal: normal.direction,
+        normal,
         view: back.map(|x| x as f32),
     };
-    shade::shade(material, &surface, settings.ambient, view.lights)
+    let color = shade::shade(material, &surface, settings.ambient, view.lights);
+    (color, Seen { voxel: hit.voxel, material: id, normal })
 }
