@@ -175,7 +175,7 @@ fn a_scene_has_a_table_or_a_tree() {
     }
     (words[1], words[2], words[7]) = (2, words.len() as u32, 5);
     mend(&mut words);
-    assert_eq!(file::read(&words).unwrap_err(), LoadError::TableAndTree);
+    assert_eq!(file::read(&words).unwrap_err(), LoadError::Conflict { first: Section::Table, second: Section::Tree });
 }
 
 /// The bytes in lines such as `0x0040  00 01 ..  what it is` of the document.
@@ -229,7 +229,7 @@ fn head_and_body_are_the_file() {
     let mut head = vec![u32::MAX; parts.head_len() as usize + 5];
     let written = parts.write_head(&mut head).unwrap();
     assert_eq!(written as u64, parts.head_len());
-    let whole = [&head[..written], parts.body()[0], parts.body()[1]].concat();
+    let whole = [&head[..written], &parts.body().concat()].concat();
     assert_eq!(whole, parts.to_vec().unwrap());
     assert_eq!(whole.len() as u64, parts.file_len());
     let needed = whole.len();
@@ -284,8 +284,8 @@ fn files_of_other_kinds_are_named() {
     }
     assert_eq!(file::words_from_bytes(&bytes(&words)).as_deref(), Ok(&words[..]));
     let mut later = words;
-    later[1] = 3;
-    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: 3 });
+    later[1] = file::VERSION + 1;
+    assert_eq!(file::read(&later).unwrap_err(), LoadError::Version { found: file::VERSION + 1 });
 }
 
 #[test]

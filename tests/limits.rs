@@ -227,7 +227,7 @@ fn d01_scenes_survive_refusals() {
             up: UpAxis::Y,
             metres_per_unit: 0.0,
             geometry: dag.dag().into(),
-            voxel_materials: materials.as_materials(),
+            voxel_materials: materials.as_materials(None).unwrap(),
             materials: &[Material::GREY; 3],
             names: &["a", "b", "c"],
         };

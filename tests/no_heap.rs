@@ -35,7 +35,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         up: UpAxis::Y,
         metres_per_unit: 0.0,
         geometry: built.dag.dag().into(),
-        voxel_materials: built.materials.as_materials(),
+        voxel_materials: built.materials.as_materials(None).unwrap(),
         materials: &[Material::GREY],
         names: &["grey"],
     };

@@ -198,10 +198,12 @@ fn normals_of_every_kind_follow_the_48_symmetries() {
             })
             .collect();
         let plain = build(&shape, &unit_grid(n));
-        let AnyMaterials::Table(plain_table) = plain.materials.as_materials() else { panic!("no table") };
+        let AnyMaterials::Table(plain_table) = plain.materials.as_materials(None).unwrap() else { panic!("no table") };
         for symmetry in Symmetry::all(n) {
             let image = build(&shape.map(|p| symmetry.point(p)), &unit_grid(n));
-            let AnyMaterials::Table(image_table) = image.materials.as_materials() else { panic!("no table") };
+            let AnyMaterials::Table(image_table) = image.materials.as_materials(None).unwrap() else {
+                panic!("no table")
+            };
             assert_eq!(image_table.len(), plain_table.len(), "seed {seed}: a tie");
             for &(origin, dir) in &rays {
                 let hit = plain.dag.dag().trace(&Query::new(origin, dir));
@@ -256,7 +258,7 @@ fn any_order_and_scale_of_the_mesh_gives_the_same_materials() {
             [MaterialMode::TableNormals, MaterialMode::Tree].map(|mode| {
                 let options = Options { materials: mode, ..Options::default() };
                 let built = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
-                (built.dag.words().to_vec(), built.materials.as_materials().words().to_vec())
+                (built.dag.words().to_vec(), built.materials.as_materials(None).unwrap().words().to_vec())
             })
         };
         let expected = words(&shape.triangles, &materials, 0);
@@ -303,8 +305,8 @@ fn parts_built_in_any_order_join_to_the_same_bytes() {
                 parts.into_iter().for_each(|(_, part)| join.add(part).unwrap());
                 let (dag, owners) = join.finish().unwrap();
                 assert!(dag == whole.dag, "2^{depth}, {mode:?}, seed {seed}");
-                let materials = owners.into_materials(&dag.dag()).unwrap();
-                let words = |materials: &MaterialsBuf| materials.as_materials().words().to_vec();
+                let materials = owners.materials(&dag.dag(), mode).unwrap();
+                let words = |materials: &MaterialsBuf| materials.as_materials(None).unwrap().words().to_vec();
                 assert!(words(&materials) == words(&whole.materials), "2^{depth}, {mode:?}, seed {seed}");
             }
         }

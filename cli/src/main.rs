@@ -1,7 +1,7 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `memory` (the limit), `scene`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
+//! `memory` (the limit), `scene`, `layout`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
 //! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
@@ -10,6 +10,7 @@ mod error;
 mod formats;
 mod hexfloat;
 mod input;
+mod layout;
 mod measure;
 mod memory;
 mod options;

@@ -36,6 +36,10 @@ pub struct BuildArgs {
     #[arg(long, value_name = "COVER", value_enum)]
     pub cover: Option<CoverArg>,
 
+    /// How the filled voxels are laid out [default: dag]
+    #[arg(long, value_name = "KIND", value_enum)]
+    pub geometry: Option<GeometryArg>,
+
     /// What is kept of the surfaces [default: tree]
     #[arg(long, value_name = "KIND", value_enum)]
     pub materials: Option<MaterialsArg>,
@@ -55,6 +59,23 @@ impl BuildArgs {
         Ok(())
     }
 
+    /// Refuses what no file holds.
+    pub fn must_be_for_files(&self) -> Result<(), Error> {
+        let refused = |flag: &str, kinds: &str| {
+            Err(Error::usage(format_args!("{flag}: that is built in memory only, for `render` and `bench`"))
+                .hint(format_args!("a file takes {kinds}")))
+        };
+        match (self.geometry, self.materials) {
+            (Some(GeometryArg::Svo | GeometryArg::Offsets | GeometryArg::Moxel), _) => {
+                refused("--geometry", "dag or ssvdag")
+            }
+            (_, Some(MaterialsArg::Palette | MaterialsArg::Moxel | MaterialsArg::MoxelNormals)) => {
+                refused("--materials", "tree, table, table-normals, ranked or none")
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// Refuses flags of building for a scene that was built before.
     pub fn must_be_absent(&self, scene: &Path) -> Result<(), Error> {
         match self.given() {
@@ -71,6 +92,7 @@ impl BuildArgs {
             (self.voxel_size.is_some(), "--voxel-size"),
             (self.origin.is_some(), "--origin"),
             (self.cover.is_some(), "--cover"),
+            (self.geometry.is_some(), "--geometry"),
             (self.materials.is_some(), "--materials"),
             (self.up_axis.is_some(), "--up-axis"),
         ];
@@ -87,6 +109,7 @@ impl BuildArgs {
             self.voxel_size.map(|s| format!(" --voxel-size {}", number_text(s))),
             self.origin.map(|[x, y, z]| format!(" --origin {},{},{}", number_text(x), number_text(y), number_text(z))),
             self.cover.map(|cover| format!(" --cover {}", name(cover))),
+            self.geometry.map(|geometry| format!(" --geometry {}", name(geometry))),
             self.materials.map(|materials| format!(" --materials {}", name(materials))),
             self.up_axis.map(|axis| format!(" --up-axis {}", name(axis))),
         ];
@@ -116,8 +139,32 @@ pub enum MaterialsArg {
     Table,
     /// A table from voxel to material and normal
     TableNormals,
+    /// Packed numbers in the order of the voxels, found by rank
+    Ranked,
+    /// The same in blocks with palettes of their own; in memory only
+    Palette,
+    /// Williams's moxel table; in memory only
+    Moxel,
+    /// Williams's moxel table with normals; in memory only
+    MoxelNormals,
     /// Shape only
     None,
+}
+
+/// How the filled voxels are laid out.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum GeometryArg {
+    /// The sparse voxel DAG: the fastest
+    #[default]
+    Dag,
+    /// The same, also merged up to mirrors, and packed: the smallest
+    Ssvdag,
+    /// The octree without sharing; in memory only
+    Svo,
+    /// The DAG with offsets in its pointers; in memory only
+    Offsets,
+    /// Williams's moxel DAG; in memory only
+    Moxel,
 }
 
 /// The axis that points up.

@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::build::{BuildError, DagBuf};
-use voxdag::dag::Stats;
+use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::file::{self, LoadError, Parts, Scene};
 use voxdag::geometry::{AnyGeometry, Geometry};
 use voxdag::grid::{Bounds, Grid, GridError, UpAxis};
-use voxdag::materials::{AnyMaterials, MaterialsBuf, Single};
+use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
@@ -21,6 +21,7 @@ use voxdag::{Dag, Material, Mesh};
 
 use crate::error::{Error, Kind, Result};
 use crate::input::Companions;
+use crate::layout::Layout;
 use crate::memory::{Memory, round_up};
 use crate::options::{BuildArgs, CoverArg, MaterialsArg, UpAxisArg};
 use crate::ordered::in_order;
@@ -109,7 +110,7 @@ pub struct Built {
     pub grid: Grid,
     bounds: Bounds,
     up: UpAxis,
-    dag: DagBuf,
+    layout: Layout,
     voxel_materials: MaterialsBuf,
     materials: Vec<Material>,
     names: Vec<String>,
@@ -143,11 +144,12 @@ pub struct Bytes {
 }
 
 impl Bytes {
-    /// Of a file of `file` bytes.
-    pub fn of(geometry: AnyGeometry<'_>, materials: AnyMaterials<'_>, file: u64) -> Bytes {
-        let bricks = geometry.brick_bytes();
+    /// Of a file of `file` bytes whose geometry has these counts.
+    pub fn of(geometry: AnyGeometry<'_>, stats: &Stats, materials: AnyMaterials<'_>, file: u64) -> Bytes {
+        let bricks = 8 * stats.levels[usize::from(BRICK_LEVEL)].unique;
         let nodes = 4 * geometry.words().len() as u64 - bricks;
-        let materials = 4 * materials.words().len() as u64;
+        let counts = materials.rank().and_then(|rank| rank.words()).map_or(0, <[u32]>::len);
+        let materials = 4 * (counts + materials.words().len()) as u64;
         Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
     }
 
@@ -181,6 +183,10 @@ pub fn mode(args: &BuildArgs) -> MaterialMode {
         MaterialsArg::Tree => MaterialMode::Tree,
         MaterialsArg::Table => MaterialMode::Table,
         MaterialsArg::TableNormals => MaterialMode::TableNormals,
+        MaterialsArg::Ranked => MaterialMode::Ranked,
+        MaterialsArg::Palette => MaterialMode::Palettes,
+        MaterialsArg::Moxel => MaterialMode::Moxels,
+        MaterialsArg::MoxelNormals => MaterialMode::MoxelsNormals,
         MaterialsArg::None => MaterialMode::None,
     }
 }
@@ -262,9 +268,12 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     let built = voxelize(source, args, mode, memory, |voxels| {
         let Voxels { grid, bounds, dag, pending, voxelize, reduce } = voxels;
         let progress = Progress::stage("materials", 0);
-        let (voxel_materials, time) = stats::timed(|| voxel_materials(&pending, dag.dag()));
+        let (voxel_materials, time) = stats::timed(|| voxel_materials(&pending, dag.dag(), mode));
         drop(progress);
         let voxel_materials = voxel_materials?;
+        let kind = args.geometry.unwrap_or_default();
+        let (layout, laid_out) = stats::timed(|| Layout::new(dag, kind, voxel_materials.needs_rank()));
+        let layout = layout?;
         let (materials, names) = match voxel_materials {
             MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
             _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
@@ -276,25 +285,30 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
                 UpAxisArg::Y => UpAxis::Y,
                 UpAxisArg::Z => UpAxis::Z,
             },
-            stats: dag.dag().stats().map_err(|bytes| VoxelizeError::Memory { bytes: bytes as u64 })?,
-            dag,
+            stats: layout.geometry().stats().map_err(|bytes| VoxelizeError::Memory { bytes: bytes as u64 })?,
+            layout,
             voxel_materials,
             materials,
             names,
             triangles: source.model.mesh().triangles.len(),
-            cost: Cost { parse: source.parse_time, voxelize, reduce, materials: time },
+            cost: Cost { parse: source.parse_time, voxelize, reduce: reduce + laid_out, materials: time },
         })
     })?;
-    memory.hold(4 * (built.dag.words().len() + built.voxel_materials().words().len()) as u64);
+    memory.hold(4 * (built.layout.words() + built.voxel_materials().words().len()) as u64);
     Ok(built)
 }
 
 /// What says which material a voxel has. A table is filled by all threads: each takes the entries of its part.
-fn voxel_materials(pending: &PendingMaterials<'_, '_>, dag: Dag<'_>) -> std::result::Result<MaterialsBuf, SceneError> {
-    if let Some(tree) = pending.tree(&dag)? {
-        return Ok(MaterialsBuf::Tree(tree));
-    }
-    let Some(mut table) = pending.empty_table(&dag)? else { return Ok(MaterialsBuf::Single(Single(0))) };
+pub fn voxel_materials(
+    pending: &PendingMaterials<'_, '_>,
+    dag: Dag<'_>,
+    mode: MaterialMode,
+) -> std::result::Result<MaterialsBuf, SceneError> {
+    let mut table = match mode {
+        MaterialMode::Table => pending.empty_table(&dag, false)?,
+        MaterialMode::TableNormals => pending.empty_table(&dag, true)?,
+        mode => return pending.materials(&dag, mode),
+    };
     table.fill(|table| {
         let parts: Vec<_> = table.split(rayon::current_num_threads() as u32).collect();
         let filled: std::result::Result<Vec<_>, _> = parts
@@ -308,7 +322,8 @@ fn voxel_materials(pending: &PendingMaterials<'_, '_>, dag: Dag<'_>) -> std::res
 
 impl Built {
     fn voxel_materials(&self) -> AnyMaterials<'_> {
-        self.voxel_materials.as_materials()
+        let materials = self.voxel_materials.as_materials(self.layout.rank());
+        materials.expect("ranks are there if they are needed, and of the same voxels")
     }
 
     /// The scene as it is drawn.
@@ -317,7 +332,7 @@ impl Built {
             grid: self.grid,
             bounds: self.bounds,
             up: self.up,
-            geometry: self.dag.dag().into(),
+            geometry: self.layout.geometry(),
             materials: self.voxel_materials(),
             palette: self.materials.clone(),
         }
@@ -331,7 +346,7 @@ impl Built {
             bounds: self.bounds,
             up: self.up,
             metres_per_unit: 0.0,
-            geometry: self.dag.dag().into(),
+            geometry: self.layout.geometry(),
             voxel_materials: self.voxel_materials(),
             materials: &self.materials,
             names: &names,
@@ -341,7 +356,7 @@ impl Built {
     /// Bytes that the `.vxd` file has.
     pub fn bytes(&self) -> Bytes {
         let file = self.with_parts(|parts| 4 * parts.file_len());
-        Bytes::of(self.dag.dag().into(), self.voxel_materials(), file)
+        Bytes::of(self.layout.geometry(), &self.stats, self.voxel_materials(), file)
     }
 
     /// Writes the `.vxd` file; the DAG and the table go out as they are.

@@ -198,7 +198,7 @@ fn look_up(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn look_up_tree(bencher: Bencher<'_, '_>) {
     let voxels = &SCENE.scattered;
-    let AnyMaterials::Tree(tree) = SCENE.tree.as_materials() else { panic!("a tree was asked for") };
+    let AnyMaterials::Tree(tree) = SCENE.tree.as_materials(None).unwrap() else { panic!("a tree was asked for") };
     bencher.counter(ItemsCount::new(voxels.len())).bench(|| kernel::look_up(tree, voxels));
 }
 

@@ -62,7 +62,6 @@ pub mod table;
 
 pub mod tree;
 
-#[cfg(feature = "alloc")]
 pub mod svo;
 
 pub mod rank;

@@ -3,6 +3,10 @@
 
 use crate::material::MaterialId;
 use crate::morton::Morton;
+use crate::rank::AnyRank;
+#[cfg(feature = "alloc")]
+use crate::ranked::RankedError;
+use crate::ranked::{Moxels, Packed, Palettes, Ranked, Values};
 use crate::table::Table;
 use crate::tree::Tree;
 
@@ -43,7 +47,7 @@ impl Materials for Table<'_> {
     }
 }
 
-/// Every representation that a file may hold.
+/// Every representation of materials.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyMaterials<'a> {
     /// One material for all voxels.
@@ -52,6 +56,12 @@ pub enum AnyMaterials<'a> {
     Table(Table<'a>),
     /// A material per cube of space.
     Tree(Tree<'a>),
+    /// Packed ids by rank.
+    Ranked(Ranked<AnyRank<'a>, Packed<'a>>),
+    /// Blocks of ids by rank, each with a palette of its own; not for files.
+    Palettes(Ranked<AnyRank<'a>, Palettes<'a>>),
+    /// Williams's moxel table, with or without normals; not for files.
+    Moxels(Ranked<AnyRank<'a>, Moxels<'a>>),
 }
 
 /// A representation that owns its words.
@@ -64,33 +74,75 @@ pub enum MaterialsBuf {
     Table(crate::table::TableBuf),
     /// See [`Tree`].
     Tree(crate::tree::TreeBuf),
+    /// See [`Packed`].
+    Ranked(crate::ranked::PackedBuf),
+    /// See [`Palettes`].
+    Palettes(crate::ranked::PalettesBuf),
+    /// See [`Moxels`].
+    Moxels(crate::ranked::MoxelsBuf),
 }
 
 #[cfg(feature = "alloc")]
 impl MaterialsBuf {
-    /// The view that answers look-ups.
-    pub fn as_materials(&self) -> AnyMaterials<'_> {
-        match self {
+    /// Whether look-ups go by rank.
+    pub fn needs_rank(&self) -> bool {
+        matches!(self, MaterialsBuf::Ranked(_) | MaterialsBuf::Palettes(_) | MaterialsBuf::Moxels(_))
+    }
+
+    /// The view that answers look-ups: by `rank` where [`MaterialsBuf::needs_rank`]. An error if it is of other voxels, or
+    /// missing, which counts as no voxel.
+    pub fn as_materials<'a>(&'a self, rank: Option<AnyRank<'a>>) -> Result<AnyMaterials<'a>, RankedError> {
+        let rank = |found| rank.ok_or(RankedError::Voxels { expected: 0, found });
+        Ok(match self {
             MaterialsBuf::Single(single) => AnyMaterials::Single(*single),
             MaterialsBuf::Table(table) => AnyMaterials::Table(table.as_table()),
             MaterialsBuf::Tree(tree) => AnyMaterials::Tree(tree.tree()),
-        }
+            MaterialsBuf::Ranked(ids) => {
+                let ids = ids.as_packed();
+                AnyMaterials::Ranked(Ranked::new(rank(ids.count())?, ids)?)
+            }
+            MaterialsBuf::Palettes(ids) => {
+                let ids = ids.as_palettes();
+                AnyMaterials::Palettes(Ranked::new(rank(ids.count())?, ids)?)
+            }
+            MaterialsBuf::Moxels(moxels) => {
+                let moxels = moxels.as_moxels();
+                AnyMaterials::Moxels(Ranked::new(rank(moxels.count())?, moxels)?)
+            }
+        })
     }
 }
 
 impl<'a> AnyMaterials<'a> {
-    /// The words as they stand in a file; none for a single material.
+    /// The words, less those of ranks; none for a single material.
     pub fn words(&self) -> &'a [u32] {
         match self {
             AnyMaterials::Single(_) => &[],
             AnyMaterials::Table(table) => table.words(),
             AnyMaterials::Tree(tree) => tree.words(),
+            AnyMaterials::Ranked(ids) => ids.values().words(),
+            AnyMaterials::Palettes(ids) => ids.values().words(),
+            AnyMaterials::Moxels(moxels) => moxels.values().words(),
+        }
+    }
+
+    /// What look-ups go by, if they go by rank.
+    pub fn rank(&self) -> Option<AnyRank<'a>> {
+        match self {
+            AnyMaterials::Single(_) | AnyMaterials::Table(_) | AnyMaterials::Tree(_) => None,
+            AnyMaterials::Ranked(ids) => Some(ids.rank()),
+            AnyMaterials::Palettes(ids) => Some(ids.rank()),
+            AnyMaterials::Moxels(moxels) => Some(moxels.rank()),
         }
     }
 
     /// Whether voxels have normals of their own.
     pub fn has_normals(&self) -> bool {
-        matches!(self, AnyMaterials::Table(table) if table.has_normals())
+        match self {
+            AnyMaterials::Table(table) => table.has_normals(),
+            AnyMaterials::Moxels(moxels) => moxels.values().has_normals(),
+            _ => false,
+        }
     }
 
     /// No voxel's material id is above this one.
@@ -99,6 +151,9 @@ impl<'a> AnyMaterials<'a> {
             AnyMaterials::Single(single) => single.0,
             AnyMaterials::Table(table) => table.max_material(),
             AnyMaterials::Tree(tree) => tree.max_material(),
+            AnyMaterials::Ranked(ids) => ids.values().max_material(),
+            AnyMaterials::Palettes(ids) => ids.values().max_material(),
+            AnyMaterials::Moxels(moxels) => moxels.values().max_material(),
         }
     }
 }
@@ -110,15 +165,18 @@ impl Materials for AnyMaterials<'_> {
             AnyMaterials::Single(single) => single.id(voxel),
             AnyMaterials::Table(table) => table.id(voxel),
             AnyMaterials::Tree(tree) => tree.id(voxel),
+            AnyMaterials::Ranked(ids) => ids.id(voxel),
+            AnyMaterials::Palettes(ids) => ids.id(voxel),
+            AnyMaterials::Moxels(moxels) => moxels.id(voxel),
         }
     }
 
     #[inline]
     fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
         match self {
-            AnyMaterials::Single(single) => single.normal(voxel),
             AnyMaterials::Table(table) => table.normal(voxel),
-            AnyMaterials::Tree(tree) => tree.normal(voxel),
+            AnyMaterials::Moxels(moxels) => moxels.normal(voxel),
+            _ => None,
         }
     }
 }

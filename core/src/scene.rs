@@ -24,6 +24,7 @@ use crate::material::MaterialId;
 use crate::materials::{MaterialsBuf, Single};
 use crate::mesh::Mesh;
 use crate::morton::Morton;
+use crate::ranked::{MoxelsBuf, PackedBuf, PalettesBuf};
 use crate::table::{Entry, InsertError, Table, TableBuf};
 use crate::tree::{TreeBuf, TreeBuilder};
 use crate::voxelize::{Cover, Marked, VoxelizeError, Voxelizer};
@@ -40,6 +41,21 @@ pub enum MaterialMode {
     Table,
     /// The thesis's hash table with the owner's normal (its part 1).
     TableNormals,
+    /// Packed ids by rank.
+    Ranked,
+    /// Blocks of ids by rank, each with a palette of its own.
+    Palettes,
+    /// Williams's moxel table without normals.
+    Moxels,
+    /// Williams's moxel table with the owner's normal.
+    MoxelsNormals,
+}
+
+impl MaterialMode {
+    /// Whether voxels keep the normal of their owner.
+    pub fn has_normals(self) -> bool {
+        matches!(self, MaterialMode::TableNormals | MaterialMode::MoxelsNormals)
+    }
 }
 
 /// What to build.
@@ -149,7 +165,7 @@ impl<'m> Build<'m> {
         let sorted = voxelizer.bytes();
         let build = Build { voxelizer, options: *options, sorted };
         // The estimate of voxels can be too high by as much as triangles share voxels; half of it is safe to refuse by.
-        build.within(build.table_bytes(build.voxelizer.estimate() / 2))?;
+        build.within(table_bytes(options.materials, build.voxelizer.estimate() / 2))?;
         Ok(build)
     }
 
@@ -170,12 +186,12 @@ impl<'m> Build<'m> {
         let voxels = self.voxelizer.estimate();
         let owner = match self.options.materials {
             MaterialMode::None => 0,
-            MaterialMode::Tree | MaterialMode::Table => 3,
-            MaterialMode::TableNormals => 15,
+            mode if mode.has_normals() => 15,
+            _ => 3,
         };
         let parts = (0..self.parts()).map(|part| self.part_bytes(part)).max().unwrap_or(0);
         let lists = voxels.saturating_mul(owner + 3).saturating_add(self.sorted).saturating_add(parts);
-        self.table_bytes(voxels).saturating_add(lists)
+        table_bytes(self.options.materials, voxels).saturating_add(lists)
     }
 
     /// Bytes of the triangles of as many parts as are built at the same time, if all were like this one.
@@ -191,16 +207,6 @@ impl<'m> Build<'m> {
                 Ok(()) => SceneError::Reduce(error),
             },
             error => SceneError::Reduce(error),
-        }
-    }
-
-    /// Bytes of the table of so many voxels; a tree grows with its borders only, and is watched as it does.
-    fn table_bytes(&self, voxels: u64) -> u64 {
-        let words = |normals| Table::words_for(Table::slots_for(voxels), normals).saturating_mul(4);
-        match self.options.materials {
-            MaterialMode::None | MaterialMode::Tree => 0,
-            MaterialMode::Table => words(false),
-            MaterialMode::TableNormals => words(true),
         }
     }
 
@@ -222,8 +228,7 @@ impl<'m> Build<'m> {
             builder.push(brick.code, brick.mask).map_err(|e| self.reduce_error(e))?;
             match self.options.materials {
                 MaterialMode::None => Ok(()),
-                MaterialMode::Tree | MaterialMode::Table => owners.push(&self.voxelizer, part, brick, false),
-                MaterialMode::TableNormals => owners.push(&self.voxelizer, part, brick, true),
+                mode => owners.push(&self.voxelizer, part, brick, mode.has_normals()),
             }
         })?;
         let dag = builder.finish().map_err(|e| self.reduce_error(e))?;
@@ -250,9 +255,22 @@ impl<'m> Build<'m> {
         for part in 0..self.parts() {
             join.add(self.part(part)?)?;
         }
-        let (dag, owners) = join.finish()?;
-        let materials = owners.into_materials(&dag.dag())?;
+        let (dag, pending) = join.finish()?;
+        let materials = pending.materials(&dag.dag(), self.options.materials)?;
         Ok(Built { dag, materials })
+    }
+}
+
+/// Bytes of the table of so many voxels; a tree and palettes grow with their borders only, and are watched as they do.
+fn table_bytes(mode: MaterialMode, voxels: u64) -> u64 {
+    let words = |normals| Table::words_for(Table::slots_for(voxels), normals).saturating_mul(4);
+    match mode {
+        MaterialMode::None | MaterialMode::Tree | MaterialMode::Palettes => 0,
+        MaterialMode::Table => words(false),
+        MaterialMode::TableNormals => words(true),
+        MaterialMode::Ranked => voxels.saturating_mul(2),
+        MaterialMode::Moxels => voxels.saturating_mul(4),
+        MaterialMode::MoxelsNormals => voxels.saturating_mul(8),
     }
 }
 
@@ -285,20 +303,21 @@ pub struct PendingMaterials<'b, 'm> {
 }
 
 impl PendingMaterials<'_, '_> {
-    /// An empty table with room for the voxels of `dag`; `None` if no table was asked for.
+    /// An empty table with room for the voxels of `dag`.
     ///
     /// Threads fill it together: each takes a part of [`TableMut::split`](crate::table::TableMut::split) and all
     /// [`PendingMaterials::entries`].
-    pub fn empty_table(&self, dag: &Dag<'_>) -> Result<Option<TableBuf>, SceneError> {
-        let normals = match self.build.options.materials {
-            MaterialMode::None | MaterialMode::Tree => return Ok(None),
-            MaterialMode::Table => false,
-            MaterialMode::TableNormals => true,
-        };
+    pub fn empty_table(&self, dag: &Dag<'_>, normals: bool) -> Result<TableBuf, SceneError> {
+        let voxels = self.afford(dag, if normals { MaterialMode::TableNormals } else { MaterialMode::Table })?;
+        Ok(TableBuf::new(voxels, normals)?)
+    }
+
+    /// Refuses what grows with the voxels, before it does; their number.
+    fn afford(&self, dag: &Dag<'_>, mode: MaterialMode) -> Result<u64, SceneError> {
         let voxels = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
         let held = self.owners.bytes() + 4 * dag.words().len() as u64;
-        self.build.within(self.build.table_bytes(voxels).saturating_add(held))?;
-        Ok(Some(TableBuf::new(voxels, normals)?))
+        self.build.within(table_bytes(mode, voxels).saturating_add(held))?;
+        Ok(voxels)
     }
 
     /// Every voxel of `dag`, the DAG that these owners came with, in Morton order with its entry.
@@ -306,11 +325,8 @@ impl PendingMaterials<'_, '_> {
         self.owners.entries(dag)
     }
 
-    /// The material tree of `dag`, the DAG that these owners came with; `None` if no tree was asked for.
-    pub fn tree(&self, dag: &Dag<'_>) -> Result<Option<TreeBuf>, SceneError> {
-        if self.build.options.materials != MaterialMode::Tree {
-            return Ok(None);
-        }
+    /// The material tree of `dag`, the DAG that these owners came with.
+    pub fn tree(&self, dag: &Dag<'_>) -> Result<TreeBuf, SceneError> {
         let held = self.owners.bytes() + 4 * dag.words().len() as u64;
         let mut builder = TreeBuilder::new(dag.depth())?;
         let mut mixed = &self.owners.mixed[..];
@@ -328,16 +344,30 @@ impl PendingMaterials<'_, '_> {
         }
         // Laying it out takes as much again.
         self.build.within(held + 2 * builder.bytes())?;
-        Ok(Some(builder.finish()?))
+        Ok(builder.finish()?)
     }
 
-    /// What was asked for, made on this thread.
-    pub fn into_materials(self, dag: &Dag<'_>) -> Result<MaterialsBuf, SceneError> {
-        if let Some(mut table) = self.empty_table(dag)? {
-            table.insert_all(self.entries(dag))?;
-            return Ok(MaterialsBuf::Table(table));
+    /// The materials in one representation, made on this thread. Normals are there if the build was to keep them.
+    pub fn materials(&self, dag: &Dag<'_>, mode: MaterialMode) -> Result<MaterialsBuf, SceneError> {
+        let entries = || self.entries(dag);
+        let table = |normals| {
+            let mut table = self.empty_table(dag, normals)?;
+            table.insert_all(entries())?;
+            Ok(MaterialsBuf::Table(table))
+        };
+        if matches!(mode, MaterialMode::Ranked | MaterialMode::Moxels | MaterialMode::MoxelsNormals) {
+            self.afford(dag, mode)?;
         }
-        Ok(self.tree(dag)?.map_or(MaterialsBuf::Single(Single(0)), MaterialsBuf::Tree))
+        Ok(match mode {
+            MaterialMode::None => MaterialsBuf::Single(Single(0)),
+            MaterialMode::Tree => MaterialsBuf::Tree(self.tree(dag)?),
+            MaterialMode::Table => return table(false),
+            MaterialMode::TableNormals => return table(true),
+            MaterialMode::Ranked => MaterialsBuf::Ranked(PackedBuf::from_entries(entries())?),
+            MaterialMode::Palettes => MaterialsBuf::Palettes(PalettesBuf::from_entries(entries())?),
+            MaterialMode::Moxels => MaterialsBuf::Moxels(MoxelsBuf::from_entries(entries(), false)?),
+            MaterialMode::MoxelsNormals => MaterialsBuf::Moxels(MoxelsBuf::from_entries(entries(), true)?),
+        })
     }
 }
 

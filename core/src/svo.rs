@@ -3,7 +3,7 @@
 //!
 //! In: a DAG, and a limit. Out: a geometry of the same voxels in which every cube has a node of its own, in Morton order
 //! level by level. As all nodes and bricks take two words, a child is found by counting the filled octants before it.
-//! Differs from the source: no contours, one width of pointers, and bricks of 4^3 voxels at the bottom as in [`Dag`].
+//! Differs from the source: no contours, one width of pointers, and bricks of 4^3 voxels at the bottom as in [`crate::Dag`].
 //!
 //! ```text
 //! word  0 .. 23   as in a DAG: depth, bricks, starts of the levels
@@ -12,13 +12,19 @@
 //!                 [ 1 << 31 | child mask ][ word of the first child ]
 //! ```
 
+#[cfg(feature = "alloc")]
 use alloc::vec::Vec;
 
+#[cfg(feature = "alloc")]
 use crate::build::{BuildError, write_header};
-use crate::dag::{BRICK_LEVEL, Dag, HEADER, NODE, ONES, Stats};
-use crate::geometry::{Geometry, Nodes};
+use crate::dag::{BRICK_LEVEL, HEADER, ONES, Stats};
+#[cfg(feature = "alloc")]
+use crate::dag::{Dag, NODE};
+use crate::geometry::Geometry;
+#[cfg(feature = "alloc")]
+use crate::geometry::Nodes;
 
-/// The view of an [`SvoBuf`] that answers queries.
+/// The view of an `SvoBuf` that answers queries.
 #[derive(Clone, Copy, Debug)]
 pub struct Svo<'a> {
     words: &'a [u32],
@@ -36,11 +42,13 @@ pub struct Svo<'a> {
 /// assert_eq!(svo.as_svo().words().len(), 24 + 2 * 2 + 2); // two equal bricks, and the root
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
+#[cfg(feature = "alloc")]
 #[derive(Clone, Debug)]
 pub struct SvoBuf {
     words: Vec<u32>,
 }
 
+#[cfg(feature = "alloc")]
 impl SvoBuf {
     /// Unfolds a DAG. Refuses with [`BuildError::Words`], before it takes the memory, what needs more than `limit` words, or
     /// 2^31 and more.

@@ -74,6 +74,7 @@ struct Ms {
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     args.build.check()?;
+    args.build.must_be_for_files()?;
     let output = Output::create(&args.output, "vxd")?;
     output.must_not_replace(std::slice::from_ref(&args.mesh))?;
     let pool = args.machine.pool()?;

@@ -84,7 +84,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scene = scene::open(&args.scene, &words)?;
     let stats = scene::count(scene.geometry)?;
     let grid = scene.grid;
-    let bytes = Bytes::of(scene.geometry, scene.materials, 4 * words.len() as u64);
+    let bytes = Bytes::of(scene.geometry, &stats, scene.materials, 4 * words.len() as u64);
     let per_voxel = |bytes: u64| 8.0 * bytes as f64 / stats.voxels.max(1) as f64;
     let levels = (BRICK_LEVEL..=scene.geometry.depth().max(BRICK_LEVEL)).rev().map(|level| {
         let LevelStats { unique, octree } = stats.levels[usize::from(level)];

@@ -226,11 +226,6 @@ impl<'a> Dag<'a> {
         self.words[1]
     }
 
-    /// Bytes of the bricks.
-    pub fn brick_bytes(&self) -> u64 {
-        8 * u64::from(self.brick_count())
-    }
-
     /// Word offset of the root: a node, or the one brick where the depth is at most 2. Meaningless if empty.
     #[inline]
     pub(crate) fn root(&self) -> usize {

@@ -3,6 +3,9 @@
 use super::VERSION;
 use crate::dag::DagError;
 use crate::grid::GridError;
+use crate::rank::RankError;
+use crate::ranked::RankedError;
+use crate::ssvdag::SsvdagError;
 use crate::table::TableError;
 use crate::tree::TreeError;
 
@@ -19,15 +22,39 @@ pub enum Section {
     Names,
     /// Material per cube of space; from version 2.
     Tree,
+    /// The filled voxels, nodes merged up to mirrors; from version 3.
+    Ssvdag,
+    /// Numbers of voxels, by which materials are found; from version 3.
+    Ranks,
+    /// Material ids in the order of the voxels; from version 3.
+    Ids,
 }
 
 impl Section {
-    pub(super) const COUNT: usize = 5;
+    pub(super) const COUNT: usize = 8;
 
     /// The section of a kind, as a file of a version counts them.
     pub(super) fn of(kind: u32, version: u32) -> Option<Section> {
-        let all = [Section::Dag, Section::Table, Section::Materials, Section::Names, Section::Tree];
-        all.into_iter().find(|s| s.kind() == kind && (*s != Section::Tree || version >= 2))
+        let all = [
+            Section::Dag,
+            Section::Table,
+            Section::Materials,
+            Section::Names,
+            Section::Tree,
+            Section::Ssvdag,
+            Section::Ranks,
+            Section::Ids,
+        ];
+        all.into_iter().find(|section| section.kind() == kind && version >= section.version())
+    }
+
+    /// The first version that knows it.
+    pub(super) fn version(self) -> u32 {
+        match self {
+            Section::Dag | Section::Table | Section::Materials | Section::Names => 1,
+            Section::Tree => 2,
+            Section::Ssvdag | Section::Ranks | Section::Ids => 3,
+        }
     }
 
     /// The number that stands for it in a file.
@@ -44,6 +71,9 @@ impl core::fmt::Display for Section {
             Section::Materials => "materials",
             Section::Names => "names",
             Section::Tree => "material tree",
+            Section::Ssvdag => "SSVDAG",
+            Section::Ranks => "rank counts",
+            Section::Ids => "ranked materials",
         })
     }
 }
@@ -166,8 +196,19 @@ pub enum LoadError {
         /// The tree's.
         found: u8,
     },
-    /// There are a material table and a material tree.
-    TableAndTree,
+    /// Two sections that answer the same question.
+    Conflict {
+        /// One of them.
+        first: Section,
+        /// The other one.
+        second: Section,
+    },
+    /// The SSVDAG.
+    Ssvdag(SsvdagError),
+    /// The counts that ranks are summed up from.
+    Ranks(RankError),
+    /// The ids by rank.
+    Ids(RankedError),
     /// The DAG's depth is not the grid's.
     Depth {
         /// Depth for the grid's resolution.
@@ -256,7 +297,10 @@ impl core::fmt::Display for LoadError {
             TreeDepth { expected, found } => {
                 write!(f, "the material tree has depth {found}: expected {expected}, the DAG's")
             }
-            TableAndTree => write!(f, "the file has a material table and a material tree: expected one of them"),
+            Conflict { first, second } => write!(f, "the file has both {first} and {second}: expected one of them"),
+            Ssvdag(error) => error.fmt(f),
+            Ranks(error) => error.fmt(f),
+            Ids(error) => error.fmt(f),
             Depth { expected, found } => {
                 write!(f, "the DAG has depth {found}: expected {expected} for the grid's resolution")
             }
@@ -278,6 +322,9 @@ impl core::error::Error for LoadError {
             LoadError::Dag(error) => Some(error),
             LoadError::Table(error) => Some(error),
             LoadError::Tree(error) => Some(error),
+            LoadError::Ssvdag(error) => Some(error),
+            LoadError::Ranks(error) => Some(error),
+            LoadError::Ids(error) => Some(error),
             _ => None,
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! word  0      magic: the bytes "VXD", 0x1a            28, 29  metres per world unit, 0 if unknown
-//!       1      version: 1, or 2 with a tree            30, 31  0
+//!       1      version: 1, 2 from kind 5, 3 from 6       30, 31  0
 //!       2, 3   words in the file (low, high)           32..    one row of 6 words per section, in file order:
 //!       4      resolution                                      [ kind ][ CRC-32 ][ offset ][ - ][ length ][ - ]
 //!       5      up axis: 1 is y, 2 is z                 then    CRC-32 of all words before it
@@ -12,6 +12,9 @@
 //!       8..    f64: origin x y z, voxel size                   3 materials   20 words each
 //!       16..   f64: the mesh's box, min x y z, max x y z       4 names       byte offsets, one more than materials; UTF-8
 //!                                                              5 tree        words of `tree`, instead of a table
+//!                                                              6 SSVDAG      words of `ssvdag`, instead of a DAG
+//!                                                              7 ranks       words of `rank`: prefix counts or totals
+//!                                                              8 ids         words of `ranked`, instead of a table
 //! ```
 //!
 //! f64, offsets and lengths are two words, low first. Sections of unknown kind are skipped once their CRC is right, so
@@ -31,14 +34,17 @@ use crate::geometry::{AnyGeometry, Geometry};
 use crate::grid::{Bounds, Grid, UpAxis};
 use crate::material::{Material, MaterialId};
 use crate::materials::{AnyMaterials, Single};
+use crate::rank::{AnyRank, Prefix, Totals};
+use crate::ranked::{Packed, Ranked};
+use crate::ssvdag::Ssvdag;
 use crate::table::Table;
 use crate::tree::Tree;
 use names::Names;
 
 /// The first word: the bytes `V`, `X`, `D` and 0x1a, which ends a text file, so that no text starts like this.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"VXD\x1a");
-/// The newest version. A scene without a tree is written as version 1.
-pub const VERSION: u32 = 2;
+/// The newest version. A scene is written as the oldest version that knows all its sections.
+pub const VERSION: u32 = 3;
 /// Words before the section table.
 pub const HEADER: usize = 32;
 /// Words per row of the section table.
@@ -117,15 +123,28 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
     let metres_per_unit = f64_at(header, 28);
 
     // The sections.
-    let geometry = AnyGeometry::Dag(Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?);
-    let (table, tree) = (sections[Section::Table as usize], sections[Section::Tree as usize]);
-    let materials = match (table, tree, MaterialId::try_from(header[6])) {
-        (Some(_), Some(_), _) => return Err(LoadError::TableAndTree),
-        (Some(table), None, Ok(0)) => AnyMaterials::Table(Table::new(table).map_err(LoadError::Table)?),
-        (None, Some(tree), Ok(0)) => AnyMaterials::Tree(Tree::new(tree).map_err(LoadError::Tree)?),
-        (Some(_), _, _) | (_, Some(_), _) => return Err(LoadError::Reserved { word: 6 }),
-        (None, None, Ok(id)) => AnyMaterials::Single(Single(id)),
-        (None, None, Err(_)) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
+    let found = |section: Section| sections[section as usize].map(|words| (section, words));
+    let geometry = match one_of([found(Section::Dag), found(Section::Ssvdag)])? {
+        Some((Section::Ssvdag, words)) => AnyGeometry::Ssvdag(Ssvdag::new(words).map_err(LoadError::Ssvdag)?),
+        _ => AnyGeometry::Dag(Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?),
+    };
+    let materials = match one_of([found(Section::Table), found(Section::Tree), found(Section::Ids)])? {
+        Some(_) if header[6] != 0 => return Err(LoadError::Reserved { word: 6 }),
+        Some((Section::Table, words)) => AnyMaterials::Table(Table::new(words).map_err(LoadError::Table)?),
+        Some((Section::Tree, words)) => AnyMaterials::Tree(Tree::new(words).map_err(LoadError::Tree)?),
+        Some((_, words)) => {
+            let counts = required(Section::Ranks)?;
+            let rank = match geometry {
+                AnyGeometry::Ssvdag(ssvdag) => Totals::new(ssvdag, counts).map(AnyRank::Totals),
+                _ => Prefix::new(Dag::new(geometry.words()).map_err(LoadError::Dag)?, counts).map(AnyRank::Prefix),
+            };
+            let ids = Packed::new(words).map_err(LoadError::Ids)?;
+            AnyMaterials::Ranked(Ranked::new(rank.map_err(LoadError::Ranks)?, ids).map_err(LoadError::Ids)?)
+        }
+        None => match MaterialId::try_from(header[6]) {
+            Ok(id) => AnyMaterials::Single(Single(id)),
+            Err(_) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
+        },
     };
     let (records, rest) = required(Section::Materials)?.as_chunks::<RECORD>();
     if !rest.is_empty() {
@@ -137,6 +156,15 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
         check_record(index as u32, record)?;
     }
     Ok(Scene { grid, bounds, up, metres_per_unit, geometry, materials, records, names })
+}
+
+/// The one section that is there, if there is one.
+fn one_of<const N: usize>(found: [Option<(Section, &[u32])>; N]) -> Result<Option<(Section, &[u32])>, LoadError> {
+    let mut found = found.into_iter().flatten();
+    match (found.next(), found.next()) {
+        (Some((first, _)), Some((second, _))) => Err(LoadError::Conflict { first, second }),
+        (one, _) => Ok(one),
+    }
 }
 
 /// The words of a file's bytes. Its length and first bytes are checked here, the rest by [`read`].

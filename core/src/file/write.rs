@@ -1,4 +1,4 @@
-//! Writing a scene: a head that is made here, then the words of the DAG and of the table as they are, so that a table of
+//! Writing a scene: a head that is made here, then the words of the geometry and of a table as they are, so that a table of
 //! any size goes to disk without a copy. What is written is what [`super::read`] takes.
 
 use super::error::{LoadError, Section};
@@ -8,6 +8,7 @@ use crate::grid::UpAxis;
 use crate::grid::{Bounds, Grid};
 use crate::material::Material;
 use crate::materials::AnyMaterials;
+use crate::rank::AnyRank;
 
 /// What a file is made of.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +49,8 @@ pub enum WriteError {
         /// Number of names.
         found: u64,
     },
+    /// A geometry or materials that no file holds, or ranks of another geometry.
+    Representation,
     /// A reader would refuse the file.
     Invalid(LoadError),
 }
@@ -60,6 +63,9 @@ impl core::fmt::Display for WriteError {
             WriteError::Names { found } => {
                 write!(f, "{found} names for the materials: expected one each, below 4 GiB together")
             }
+            WriteError::Representation => f.write_str(
+                "a file holds a DAG or an SSVDAG, and one material, a table, a tree, or ids by ranks of the same geometry",
+            ),
             WriteError::Invalid(error) => write!(f, "no reader would take the file: {error}"),
         }
     }
@@ -81,10 +87,11 @@ impl<'a> Parts<'a> {
         (HEADER + rows + 1) as u64 + self.materials_len() + self.names_len()
     }
 
-    /// The words that follow the head, as they are: those of the DAG, then those of the table or the tree (none with a
-    /// single material).
-    pub fn body(&self) -> [&'a [u32]; 2] {
-        [self.geometry.words(), self.voxel_materials.words()]
+    /// The words that follow the head, as they are: those of the geometry, of the counts of ranks, and of the table, the
+    /// tree or the ids. Of what the file does not hold there are none.
+    pub fn body(&self) -> [&'a [u32]; 3] {
+        let counts = self.voxel_materials.rank().and_then(|rank| rank.words()).unwrap_or(&[]);
+        [self.geometry.words(), counts, self.voxel_materials.words()]
     }
 
     /// Words of the whole file: head and body.
@@ -100,11 +107,12 @@ impl<'a> Parts<'a> {
 
         // The header.
         let file_len = self.file_len();
-        let (version, material, sections) = match self.voxel_materials {
-            AnyMaterials::Single(single) => (1, u32::from(single.0), 3),
-            AnyMaterials::Table(_) => (1, 0, 4),
-            AnyMaterials::Tree(_) => (2, 0, 4),
+        let material = match self.voxel_materials {
+            AnyMaterials::Single(single) => u32::from(single.0),
+            _ => 0,
         };
+        let sections = self.sections().count() as u32;
+        let version = self.sections().map(Section::version).max().unwrap_or(1);
         let up = match self.up {
             UpAxis::Y => 1,
             UpAxis::Z => 2,
@@ -129,14 +137,15 @@ impl<'a> Parts<'a> {
         self.write_names(names);
 
         // The section table, now that all words can be summed up.
-        let [dag, voxel_materials] = self.body();
+        let [geometry, counts, voxel_materials] = self.body();
         let mut offset = front as u64 + 1;
         for (i, section) in self.sections().enumerate() {
             let words = match section {
                 Section::Materials => &*records,
                 Section::Names => &*names,
-                Section::Dag => dag,
-                Section::Table | Section::Tree => voxel_materials,
+                Section::Dag | Section::Ssvdag => geometry,
+                Section::Ranks => counts,
+                Section::Table | Section::Tree | Section::Ids => voxel_materials,
             };
             let row = HEADER + ROW * i;
             (rows[row], rows[row + 1]) = (section.kind(), crc::of(words));
@@ -177,6 +186,21 @@ impl<'a> Parts<'a> {
         if self.names.len() != self.materials.len() || bytes > u64::from(u32::MAX) {
             return Err(WriteError::Names { found: self.names.len() as u64 });
         }
+        // Some representations are made in memory only, and ranks belong to the geometry that they were counted in.
+        let known = match (self.geometry, self.voxel_materials) {
+            (AnyGeometry::Dag(dag), AnyMaterials::Ranked(ids)) => {
+                matches!(ids.rank(), AnyRank::Prefix(prefix) if prefix.dag().words() == dag.words())
+            }
+            (AnyGeometry::Ssvdag(ssvdag), AnyMaterials::Ranked(ids)) => {
+                matches!(ids.rank(), AnyRank::Totals(totals) if totals.ssvdag().words() == ssvdag.words())
+            }
+            (_, AnyMaterials::Palettes(_) | AnyMaterials::Moxels(_)) => false,
+            (AnyGeometry::Dag(_) | AnyGeometry::Ssvdag(_), _) => true,
+            _ => false,
+        };
+        if !known {
+            return Err(WriteError::Representation);
+        }
         let count = self.materials.len();
         check(&self.grid, &self.bounds, self.metres_per_unit, self.geometry, self.voxel_materials, count)
             .map_err(WriteError::Invalid)?;
@@ -188,12 +212,17 @@ impl<'a> Parts<'a> {
 
     /// The sections in file order.
     fn sections(&self) -> impl Iterator<Item = Section> {
-        let voxel_materials = match self.voxel_materials {
-            AnyMaterials::Single(_) => None,
-            AnyMaterials::Table(_) => Some(Section::Table),
-            AnyMaterials::Tree(_) => Some(Section::Tree),
+        let geometry = match self.geometry {
+            AnyGeometry::Ssvdag(_) => Section::Ssvdag,
+            _ => Section::Dag,
         };
-        [Section::Materials, Section::Names, Section::Dag].into_iter().chain(voxel_materials)
+        let (counts, voxel_materials) = match self.voxel_materials {
+            AnyMaterials::Single(_) => (None, None),
+            AnyMaterials::Table(_) => (None, Some(Section::Table)),
+            AnyMaterials::Tree(_) => (None, Some(Section::Tree)),
+            _ => (Some(Section::Ranks), Some(Section::Ids)),
+        };
+        [Section::Materials, Section::Names, geometry].into_iter().chain(counts).chain(voxel_materials)
     }
 
     fn materials_len(&self) -> u64 {

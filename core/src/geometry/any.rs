@@ -3,16 +3,32 @@
 //! Queries match on the layout at every step; what traces many rays matches once, with [`match_geometry`](crate::match_geometry).
 
 use super::Geometry;
-use crate::dag::{Dag, Stats};
+#[cfg(feature = "alloc")]
+use super::Nodes;
+use crate::dag::Dag;
+#[cfg(feature = "alloc")]
+use crate::dag::{BRICK_LEVEL, LevelStats, Stats};
+use crate::rank::{MoxelDag, Offsets};
+use crate::ssvdag::Ssvdag;
+use crate::svo::Svo;
 
-/// Every layout of voxels.
+/// Every layout of voxels. The first two may stand in a file.
 #[derive(Clone, Copy, Debug)]
 pub enum AnyGeometry<'a> {
     /// The sparse voxel DAG.
     Dag(Dag<'a>),
+    /// The symmetry-aware DAG, packed.
+    Ssvdag(Ssvdag<'a>),
+    /// The octree without sharing.
+    Svo(Svo<'a>),
+    /// The DAG with offsets in its pointers.
+    Offsets(Offsets<'a>),
+    /// Williams's moxel DAG.
+    MoxelDag(MoxelDag<'a>),
 }
 
-/// Runs the same expression for whatever layout an [`AnyGeometry`] has, compiled once for each.
+/// Runs the same expression for whatever layout an [`AnyGeometry`](crate::geometry::AnyGeometry) has, compiled once for
+/// each.
 ///
 /// ```
 /// # use voxdag::{build::DagBuilder, geometry::{AnyGeometry, Geometry}, match_geometry, Morton};
@@ -27,6 +43,10 @@ macro_rules! match_geometry {
     ($geometry:expr, $g:ident => $body:expr) => {
         match $geometry {
             $crate::geometry::AnyGeometry::Dag($g) => $body,
+            $crate::geometry::AnyGeometry::Ssvdag($g) => $body,
+            $crate::geometry::AnyGeometry::Svo($g) => $body,
+            $crate::geometry::AnyGeometry::Offsets($g) => $body,
+            $crate::geometry::AnyGeometry::MoxelDag($g) => $body,
         }
     };
 }
@@ -40,24 +60,43 @@ impl<'a> From<Dag<'a>> for AnyGeometry<'a> {
 impl<'a> AnyGeometry<'a> {
     /// The plain DAG, if it is one.
     pub fn as_dag(&self) -> Option<Dag<'a>> {
-        let AnyGeometry::Dag(dag) = *self;
-        Some(dag)
+        match self {
+            AnyGeometry::Dag(dag) => Some(*dag),
+            _ => None,
+        }
     }
 
-    /// Its words: what a file holds of it.
+    /// Its words.
     pub fn words(&self) -> &'a [u32] {
         match_geometry!(self, g => g.words())
     }
 
-    /// Bytes of its words that hold bricks.
-    pub fn brick_bytes(&self) -> u64 {
-        match_geometry!(self, g => g.brick_bytes())
-    }
-
-    /// Counts voxels and nodes with memory from the heap; `Err` with the number of bytes that could not be had.
+    /// Counts voxels and nodes with memory from the heap; `Err` with the number of bytes that could not be had. O(words) for
+    /// what may stand in a file, O(nodes of the octree) for the others.
     #[cfg(feature = "alloc")]
     pub fn stats(&self) -> Result<Stats, usize> {
-        match_geometry!(self, g => g.stats())
+        match self {
+            AnyGeometry::Dag(dag) => dag.stats(),
+            AnyGeometry::Ssvdag(ssvdag) => ssvdag.stats(),
+            _ => Ok(self.walk_stats()),
+        }
+    }
+
+    /// Counts by a walk over the octree.
+    #[cfg(feature = "alloc")]
+    fn walk_stats(&self) -> Stats {
+        let mut stats = Stats {
+            voxels: self.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum(),
+            levels: [LevelStats::default(); 22],
+        };
+        let numbers = 0..self.words().len() as u32;
+        for level in BRICK_LEVEL..=self.depth().max(BRICK_LEVEL) {
+            stats.levels[usize::from(level)] = LevelStats {
+                unique: numbers.clone().filter(|&number| self.is_node(number, level)).count() as u64,
+                octree: Nodes::new(*self, level).count() as u64,
+            };
+        }
+        stats
     }
 }
 

@@ -3,10 +3,15 @@
 //! Header and bricks are the DAG's own; level starts are new. Counts leave bit 31 of their words clear, so that a mask
 //! word, which has it set, marks where a node starts; only the root, which is known, may hold a count that is too large.
 
+#[cfg(feature = "alloc")]
 use alloc::vec::Vec;
 
+#[cfg(feature = "alloc")]
 use crate::build::{BuildError, write_header};
-use crate::dag::{BRICK_LEVEL, Dag, HEADER, NODE, ONES};
+#[cfg(feature = "alloc")]
+use crate::dag::Dag;
+use crate::dag::{BRICK_LEVEL, HEADER, NODE, ONES};
+#[cfg(feature = "alloc")]
 use crate::morton::BITS;
 
 /// Nodes with counts, level by level.
@@ -17,6 +22,7 @@ pub(super) struct Nodes<'a> {
     pub voxels: u64,
 }
 
+#[cfg(feature = "alloc")]
 /// Nodes with counts that own their words.
 #[derive(Clone, Debug)]
 pub(super) struct NodesBuf {
@@ -24,6 +30,7 @@ pub(super) struct NodesBuf {
     voxels: u64,
 }
 
+#[cfg(feature = "alloc")]
 /// A child as its parent sees it.
 #[derive(Clone, Copy)]
 pub(super) struct Child {
@@ -33,6 +40,7 @@ pub(super) struct Child {
     pub voxels: u64,
 }
 
+#[cfg(feature = "alloc")]
 impl NodesBuf {
     /// Copies the nodes of `dag`. `len` says how many words a node of a level with so many children takes, behind its mask;
     /// `write` writes them.
@@ -83,6 +91,7 @@ impl NodesBuf {
     }
 }
 
+#[cfg(feature = "alloc")]
 fn zeros<T: Clone + Default>(len: u64) -> Result<Vec<T>, BuildError> {
     let missing = BuildError::Memory { bytes: len * size_of::<T>() as u64 };
     let len = usize::try_from(len).map_err(|_| missing)?;

@@ -1,23 +1,26 @@
 //! Rank of a voxel: how many filled voxels have a smaller Morton code; the thesis's *moxel index* (section 3.3).
 //!
 //! In: a DAG. Out: counts beside it or within it, summed up along the path to a voxel. An array of values in Morton order,
-//! one a filled voxel, is then all that a material map needs ([`crate::ranked`]). Three schemes, which always agree:
-//! [`Prefix`] (beside the nodes; goes into files), and with a heap `Offsets` (beside each pointer) and `MoxelDag` (counts of
-//! empty voxels). A cube of depth 21 has up to 2^63 voxels: counts of cubes above level 10 take two words, all others one.
+//! one a filled voxel, is then all that a material map needs ([`crate::ranked`]). The schemes always agree:
+//! [`Prefix`] (beside a DAG's nodes) and [`Totals`] (beside an SSVDAG's), which go into files; [`Offsets`] (beside each
+//! pointer) and [`MoxelDag`] (counts of empty voxels), built in memory. A cube of depth 21 has up to 2^63 voxels: counts of cubes above level 10 take two words, all others one.
 
-#[cfg(feature = "alloc")]
+mod any;
 mod copy;
-#[cfg(feature = "alloc")]
 mod moxel;
-#[cfg(feature = "alloc")]
 mod offsets;
 mod prefix;
+mod totals;
 
+pub use any::AnyRank;
+pub use moxel::MoxelDag;
 #[cfg(feature = "alloc")]
-pub use moxel::{MoxelDag, MoxelDagBuf};
+pub use moxel::MoxelDagBuf;
+pub use offsets::Offsets;
 #[cfg(feature = "alloc")]
-pub use offsets::{Offsets, OffsetsBuf};
+pub use offsets::OffsetsBuf;
 pub use prefix::Prefix;
+pub use totals::Totals;
 
 use crate::morton::Morton;
 

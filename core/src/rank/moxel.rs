@@ -9,12 +9,17 @@
 //!       the same with two words a count: [ low 31 bits ][ high bits ]                           above
 //! ```
 //!
-//! Header and bricks are those of [`Dag`].
+//! Header and bricks are those of [`crate::Dag`].
 
-use super::copy::{Nodes, NodesBuf};
+use super::copy::Nodes;
+#[cfg(feature = "alloc")]
+use super::copy::NodesBuf;
 use super::{NARROW, Rank, in_brick};
+#[cfg(feature = "alloc")]
 use crate::build::BuildError;
-use crate::dag::{BRICK_LEVEL, Dag, ONES};
+#[cfg(feature = "alloc")]
+use crate::dag::Dag;
+use crate::dag::{BRICK_LEVEL, ONES};
 use crate::geometry::Geometry;
 use crate::morton::Morton;
 
@@ -30,14 +35,16 @@ const fn volume(level: u8) -> u64 {
     1 << (3 * level)
 }
 
-/// The view of a [`MoxelDagBuf`] that answers queries.
+/// The view of `MoxelDagBuf` that answers queries.
 #[derive(Clone, Copy, Debug)]
 pub struct MoxelDag<'a>(Nodes<'a>);
 
 /// A moxel DAG that owns its words.
+#[cfg(feature = "alloc")]
 #[derive(Clone, Debug)]
 pub struct MoxelDagBuf(NodesBuf);
 
+#[cfg(feature = "alloc")]
 impl MoxelDagBuf {
     /// Copies a DAG and counts its empty voxels. Takes 12 bytes a word of the DAG while it works.
     pub fn build(dag: &Dag<'_>) -> Result<MoxelDagBuf, BuildError> {

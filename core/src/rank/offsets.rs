@@ -9,12 +9,17 @@
 //!       [ 1 << 31 | child mask ][ child ][ offset, low 31 bits ][ high bits ]...     above
 //! ```
 //!
-//! Header and bricks are those of [`Dag`].
+//! Header and bricks are those of [`crate::Dag`].
 
-use super::copy::{Nodes, NodesBuf};
+use super::copy::Nodes;
+#[cfg(feature = "alloc")]
+use super::copy::NodesBuf;
 use super::{NARROW, Rank, in_brick};
+#[cfg(feature = "alloc")]
 use crate::build::BuildError;
-use crate::dag::{BRICK_LEVEL, Dag};
+use crate::dag::BRICK_LEVEL;
+#[cfg(feature = "alloc")]
+use crate::dag::Dag;
 use crate::geometry::Geometry;
 use crate::morton::Morton;
 
@@ -24,7 +29,7 @@ const fn stride(level: u8) -> usize {
     if level > NARROW { 3 } else { 2 }
 }
 
-/// The view of an [`OffsetsBuf`] that answers queries.
+/// The view of `OffsetsBuf` that answers queries.
 #[derive(Clone, Copy, Debug)]
 pub struct Offsets<'a>(Nodes<'a>);
 
@@ -40,9 +45,11 @@ pub struct Offsets<'a>(Nodes<'a>);
 /// assert!(built.as_offsets().contains(Morton(66)));
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
+#[cfg(feature = "alloc")]
 #[derive(Clone, Debug)]
 pub struct OffsetsBuf(NodesBuf);
 
+#[cfg(feature = "alloc")]
 impl OffsetsBuf {
     /// Copies a DAG and counts its voxels. Takes 12 bytes a word of the DAG while it works.
     pub fn build(dag: &Dag<'_>) -> Result<OffsetsBuf, BuildError> {

@@ -73,7 +73,7 @@ fn file(
     let bounds = mesh.validate().map_err(|e| e.to_string())?;
     let grid = Grid::fit(&bounds, resolution).map_err(|e| e.to_string())?;
     let built = Build::new(mesh, &grid, &options).and_then(|build| build.run()).map_err(|e| e.to_string())?;
-    let voxel_materials = match built.materials.as_materials() {
+    let voxel_materials = match built.materials.as_materials(None).unwrap() {
         AnyMaterials::Single(_) => AnyMaterials::Single(Single(1)),
         kept => kept,
     };

@@ -94,13 +94,7 @@ pub fn run(run: &Run, source: &Source) -> Result<()> {
             Arm::pieces(1, |_| join(&voxelizer, &dags).map_or(0, |dag| dag.words().len() as u64)),
             Arm::pieces(parts, |i| part(&plain, i)),
             Arm::pieces(parts, |i| part(&build, i)),
-            Arm::pieces(1, |_| {
-                let dag = dag.dag();
-                if let Some(mut table) = pending.empty_table(&dag).ok().flatten() {
-                    return ok(table.insert_all(pending.entries(&dag)).is_ok());
-                }
-                ok(pending.tree(&dag).is_ok())
-            }),
+            Arm::pieces(1, |_| ok(pending.materials(&dag.dag(), options.materials).is_ok())),
             Arm::pieces(1, |_| {
                 let built = Build::new(&mesh, &grid, &options).and_then(|build| build.run());
                 built.map_or(0, |built| built.dag.words().len() as u64)

@@ -3,6 +3,7 @@
 use serde::Serialize;
 use voxdag::Geometry;
 use voxdag::Morton;
+use voxdag::Rank;
 use voxdag::materials::{AnyMaterials, Materials};
 use voxdag_oracle::rng::Rng;
 
@@ -28,6 +29,11 @@ struct Report {
     hits: Cost,
     /// Of voxels from everywhere, in random order.
     scattered: Cost,
+    /// Of these the rank alone, of the hits; where there is one.
+    rank: Option<Cost>,
+    /// What says which material a voxel has, counts of ranks included.
+    bytes: u64,
+    bits_per_voxel: f64,
     /// Slots that look-ups of all voxels read.
     probes: Option<Probes>,
 }
@@ -43,6 +49,9 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     match scene.materials {
         AnyMaterials::Single(single) => with(run, scene, single, "single", None),
         AnyMaterials::Tree(tree) => with(run, scene, tree, "tree", None),
+        AnyMaterials::Ranked(ids) => with(run, scene, ids, "ranked", None),
+        AnyMaterials::Palettes(ids) => with(run, scene, ids, "palette", None),
+        AnyMaterials::Moxels(moxels) => with(run, scene, moxels, "moxel", None),
         AnyMaterials::Table(table) => {
             let probes: u64 = scene.geometry.voxels().map(|v| u64::from(table.probes(v))).sum();
             let mean = probes as f64 / scene::count(scene.geometry)?.voxels.max(1) as f64;
@@ -64,7 +73,10 @@ fn with<M: Materials>(
     Rng::new(3).shuffle(&mut scattered);
 
     let look_up = |voxels| Arm::each(voxels, move |v: &Morton| u64::from(materials.id(*v)));
-    let [near, far] = measure(run.repeat, [look_up(&hits), look_up(&scattered)])?;
+    let rank = scene.materials.rank();
+    let ranks = |voxels| Arm::each(voxels, move |v: &Morton| rank.and_then(|rank| rank.rank(*v)).unwrap_or(0));
+    let [near, far, ranked] = measure(run.repeat, [look_up(&hits), look_up(&scattered), ranks(&hits)])?;
+    let bytes = 4 * (scene.materials.words().len() + rank.and_then(|rank| rank.words()).map_or(0, <[u32]>::len)) as u64;
     let report = Report {
         kind,
         voxels,
@@ -72,6 +84,9 @@ fn with<M: Materials>(
         threads: run.threads,
         hits: Cost::of(&near, hits.len()),
         scattered: Cost::of(&far, scattered.len()),
+        rank: rank.map(|_| Cost::of(&ranked, hits.len())),
+        bytes,
+        bits_per_voxel: 8.0 * bytes as f64 / voxels.max(1) as f64,
         probes,
     };
     let mut lines = Lines::default();
@@ -80,6 +95,10 @@ fn with<M: Materials>(
         .row("voxels", grouped(report.voxels))
         .row("hits of a picture", report.hits.text())
         .row("scattered", report.scattered.text());
+    if let Some(rank) = &report.rank {
+        lines.row("  of these the rank", rank.text());
+    }
+    lines.row("bytes", format!("{} ({:.3} bits per voxel)", grouped(report.bytes), report.bits_per_voxel));
     if let Some(probes) = &report.probes {
         lines.row("probes", format!("{:8.3} on average, {} at most", probes.mean, probes.max));
     }
