@@ -7,7 +7,7 @@ use voxdag::grid::{Bounds, UpAxis};
 use voxdag::normal::{NormalKind, normal};
 use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
 use voxdag::ranked::{Moxels, MoxelsBuf, Packed, PackedBuf, Palettes, PalettesBuf, Ranked};
-use voxdag::render::{Samples, Settings, View, render_rows};
+use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::ssvdag::SsvdagBuf;
 use voxdag::table::Entry;
@@ -82,9 +82,13 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
             let view =
                 View { tracer, materials: scene.materials, palette: &[Material::GREY], grid, camera, lights: &lights };
             for normals in [NormalKind::Stored, NormalKind::Plane2] {
-                let settings =
-                    Settings { width: 64, height: 48, samples: Samples::Five, normals, ..Settings::default() };
-                hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                let near = Supersample::near(scene.geometry, &camera, 0.5);
+                for supersample in [Supersample::All, near, Supersample::Adaptive { degrees: 2.0 }] {
+                    let samples = if supersample == near { Samples::Five } else { Samples::Sixteen };
+                    let size = Settings { width: 64, height: 48, ..Settings::default() };
+                    let settings = Settings { samples, supersample, normals, ..size };
+                    hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                }
             }
             let eye = grid.to_grid(camera.eye);
             for i in 0..100 {

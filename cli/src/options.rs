@@ -227,12 +227,12 @@ pub struct PictureArgs {
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     pub samples: Option<Samples>,
 
-    /// Pixels that take all of these rays: all, near[:SHARE], region:X0,Y0,X1,Y1 or adaptive[:DEGREES] [default: all]
+    /// Pixels that take all these rays: all, near[:SHARE], region:X0,Y0,X1,Y1, adaptive[:DEGREES] [default: all]
     ///
-    /// near: those whose centre shows the nearer share of the voxels, 0.5 unless given, along the axis that the view
-    /// follows most; the others take one ray. region: columns X0 to X1 and rows Y0 to Y1, the last ones excluded; the
-    /// others take one ray. adaptive: those whose four corners do not see one smooth surface, of one material and with
-    /// normals within some degrees, 2 unless given; the others take these four rays.
+    /// near:     the middle shows the nearer SHARE (0.5) of the voxels along the view; one ray elsewhere
+    /// region:   columns X0 to X1 and rows Y0 to Y1, the last ones excluded; one ray elsewhere
+    /// adaptive: the corners do not see one smooth surface, of one material and with normals within DEGREES (2);
+    ///           these four rays elsewhere
     #[arg(long, value_name = "WHICH", value_parser = supersample, verbatim_doc_comment, allow_hyphen_values = true)]
     pub supersample: Option<SupersampleArg>,
 
