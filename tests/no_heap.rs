@@ -5,12 +5,15 @@ use voxdag::camera::Camera;
 use voxdag::file::{self, Parts};
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::normal::{NormalKind, normal};
-use voxdag::render::{Samples, Settings, View, render_rows};
+use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
+use voxdag::ranked::{Moxels, MoxelsBuf, Packed, PackedBuf, Palettes, PalettesBuf, Ranked};
+use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::ssvdag::SsvdagBuf;
+use voxdag::table::Entry;
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
-use voxdag::{Geometry, Grid, Material, Materials, Mesh, Morton, Ssvdag};
-use voxdag_oracle::scenes;
+use voxdag::{Dag, Geometry, Grid, Material, Materials, Mesh, Morton, Ssvdag};
+use voxdag_oracle::scenes::{self, Implicit};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -25,6 +28,32 @@ fn queries_and_pictures_take_no_heap() {
     for materials in [MaterialMode::TableNormals, MaterialMode::Tree] {
         take_no_heap(&mesh, bounds, grid, materials);
     }
+}
+
+#[test]
+fn ranks_and_materials_by_rank_take_no_heap() {
+    let words = Implicit::Diagonal { lo: 100, hi: 102 }.words(7);
+    let dag = Dag::new(&words).unwrap();
+    let entries = || dag.voxels().map(|v| (v, Entry { material: (v.0 % 5) as u16, normal: None }));
+    let mut lent = vec![0; Prefix::words_for(&dag)];
+    let (offsets, moxels) = (OffsetsBuf::build(&dag).unwrap(), MoxelDagBuf::build(&dag).unwrap());
+    let packed = PackedBuf::from_entries(entries()).unwrap().into_words();
+    let palettes = PalettesBuf::from_entries(entries()).unwrap().into_words();
+    let table = MoxelsBuf::from_entries(entries(), true).unwrap().into_words();
+    let mut voxels = 0;
+    assert_no_alloc(|| {
+        let counts = Prefix::build_into(dag, &mut lent).unwrap().words();
+        let prefix = Prefix::new(dag, counts).unwrap();
+        let ids = Ranked::new(prefix, Packed::new(&packed).unwrap()).unwrap();
+        let blocks = Ranked::new(offsets.as_offsets(), Palettes::new(&palettes).unwrap()).unwrap();
+        let table = Ranked::new(moxels.as_moxel_dag(), Moxels::new(&table).unwrap()).unwrap();
+        for voxel in dag.voxels() {
+            assert_eq!([ids.id(voxel), blocks.id(voxel), table.id(voxel)], [(voxel.0 % 5) as u16; 3]);
+            assert_eq!(table.normal(voxel), None);
+            voxels += 1;
+        }
+    });
+    assert!(voxels > 1000, "{voxels} voxels are too few to say anything");
 }
 
 fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: MaterialMode) {
@@ -53,9 +82,13 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
             let view =
                 View { tracer, materials: scene.materials, palette: &[Material::GREY], grid, camera, lights: &lights };
             for normals in [NormalKind::Stored, NormalKind::Plane2] {
-                let settings =
-                    Settings { width: 64, height: 48, samples: Samples::Five, normals, ..Settings::default() };
-                hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                let near = Supersample::near(scene.geometry, &camera, 0.5);
+                for supersample in [Supersample::All, near, Supersample::Adaptive { degrees: 2.0 }] {
+                    let samples = if supersample == near { Samples::Five } else { Samples::Sixteen };
+                    let size = Settings { width: 64, height: 48, ..Settings::default() };
+                    let settings = Settings { samples, supersample, normals, ..size };
+                    hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                }
             }
             let eye = grid.to_grid(camera.eye);
             for i in 0..100 {

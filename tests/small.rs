@@ -108,6 +108,25 @@ fn tables() {
 }
 
 #[test]
+fn materials() {
+    // Two cubes and a row of different materials in 8^3 voxels; and one changed word of each kind.
+    let cubes = [[1, 0, 0, 0, 5, 0], [1, 4, 4, 0, 6, 0], [32 | 1, 2, 5, 3, 255, 0]];
+    laws::materials(
+        &[&[3, 3, 0, 4, 0, 1, 0, 0, 0, 1, 5, 0, 2, 0, 0, 0, 2, 4, 0, 0, 0, 1, 0], cubes.as_flattened()].concat(),
+    );
+}
+
+#[test]
+fn ranks() {
+    // One cube that holds itself in six of its octants, of depth 21, and one of depth 4.
+    for depth in [21, 4] {
+        laws::ranks(
+            &[&[depth, 0, 0, 0xb7, 0, 0, 0, 0][..], &[0xc3, 0x35, 7, 0x5a, 0xa5, 0x11, 9, 0x20].repeat(4)].concat(),
+        );
+    }
+}
+
+#[test]
 fn normals() {
     // A floor of two layers: every fitted normal is up, whatever the words' order in memory.
     let words = Implicit::Wall { axis: 1, lo: 5, hi: 7 }.words(4);

@@ -43,7 +43,7 @@ pub struct Svo<'a> {
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
 #[cfg(feature = "alloc")]
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct SvoBuf {
     words: Vec<u32>,
 }

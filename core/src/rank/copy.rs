@@ -24,7 +24,7 @@ pub(super) struct Nodes<'a> {
 
 #[cfg(feature = "alloc")]
 /// Nodes with counts that own their words.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub(super) struct NodesBuf {
     words: Vec<u32>,
     voxels: u64,

@@ -41,7 +41,7 @@ pub struct MoxelDag<'a>(Nodes<'a>);
 
 /// A moxel DAG that owns its words.
 #[cfg(feature = "alloc")]
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct MoxelDagBuf(NodesBuf);
 
 #[cfg(feature = "alloc")]

@@ -46,7 +46,7 @@ pub struct Offsets<'a>(Nodes<'a>);
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
 #[cfg(feature = "alloc")]
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct OffsetsBuf(NodesBuf);
 
 #[cfg(feature = "alloc")]
