@@ -7,11 +7,12 @@ use voxdag::grid::{Bounds, UpAxis};
 use voxdag::normal::{NormalKind, normal};
 use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
 use voxdag::ranked::{Moxels, MoxelsBuf, Packed, PackedBuf, Palettes, PalettesBuf, Ranked};
-use voxdag::render::{Samples, Settings, View, render_rows};
+use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
+use voxdag::ssvdag::SsvdagBuf;
 use voxdag::table::Entry;
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
-use voxdag::{Dag, Grid, Material, Materials, Mesh};
+use voxdag::{Dag, Geometry, Grid, Material, Materials, Mesh, Morton, Ssvdag};
 use voxdag_oracle::scenes::{self, Implicit};
 
 #[global_allocator]
@@ -81,9 +82,13 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
             let view =
                 View { tracer, materials: scene.materials, palette: &[Material::GREY], grid, camera, lights: &lights };
             for normals in [NormalKind::Stored, NormalKind::Plane2] {
-                let settings =
-                    Settings { width: 64, height: 48, samples: Samples::Five, normals, ..Settings::default() };
-                hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                let near = Supersample::near(scene.geometry, &camera, 0.5);
+                for supersample in [Supersample::All, near, Supersample::Adaptive { degrees: 2.0 }] {
+                    let samples = if supersample == near { Samples::Five } else { Samples::Sixteen };
+                    let size = Settings { width: 64, height: 48, ..Settings::default() };
+                    let settings = Settings { samples, supersample, normals, ..size };
+                    hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                }
             }
             let eye = grid.to_grid(camera.eye);
             for i in 0..100 {
@@ -107,4 +112,31 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         }
     });
     assert!(hits > 10_000, "{hits} hits are too few to say anything");
+}
+
+#[test]
+fn mirrored_nodes_take_no_heap() {
+    let sphere = scenes::sphere([0.0; 3], 1.0, 3);
+    let mesh = sphere.mesh();
+    let grid = Grid::fit(&mesh.validate().unwrap(), 100).unwrap();
+    let built = Build::new(&mesh, &grid, &Options::default()).unwrap().run().unwrap();
+    let words = SsvdagBuf::build(&built.dag.dag()).unwrap().into_words();
+    let top = TopBuf::new(&Ssvdag::new(&words).unwrap(), 3).unwrap();
+    let mut counts = vec![0; Ssvdag::new(&words).unwrap().stored()];
+    let mut hits = 0;
+
+    assert_no_alloc(|| {
+        let ssvdag = Ssvdag::new(&words).unwrap();
+        assert_eq!(ssvdag.stats_into(&mut counts).unwrap().voxels, ssvdag.voxels().count() as u64);
+        ssvdag.totals_into(&mut counts).unwrap();
+        assert!(ssvdag.empty_level(Morton(0)).is_some());
+        let tracer = Tracer::with_top(ssvdag, top.as_top()).unwrap();
+        for i in 0..100 {
+            let aim = f64::from(i);
+            let query = Query::new([-80.0, -60.0, -50.0], [aim + 80.0, aim + 60.0, 110.0 - aim]);
+            hits += u32::from(tracer.trace(Arithmetic::Exact, &query).is_some());
+            assert_eq!(tracer.occluded(Arithmetic::Exact, &query), tracer.hits(&query).next().is_some());
+        }
+    });
+    assert!(hits > 30, "{hits} hits are too few to say anything");
 }

@@ -41,6 +41,15 @@ fn builders() {
 }
 
 #[test]
+fn mirrors() {
+    for seed in 0..2 {
+        let mut rng = Rng::new(seed);
+        let data: Vec<u8> = [3, 0, 0].into_iter().chain((0..12).map(|_| rng.bits() as u8 & !3)).collect();
+        laws::ssvdag(&data);
+    }
+}
+
+#[test]
 fn rays() {
     for (depth, shape) in [
         (3, Implicit::Diagonal { lo: 8, hi: 10 }),

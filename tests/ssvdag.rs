@@ -299,6 +299,11 @@ fn errors_name_the_word() {
     }
     assert_eq!(error(&[(18, 8)]), SsvdagError::Pointer { word: 18 }, "a bit behind the last pointer");
     assert_eq!(error(&[(19, 0)]), SsvdagError::Brick { word: 19 });
+    for (depth, outside) in [(0, 1 << 1), (1, 1 << 8)] {
+        assert!(Ssvdag::new(&[depth, 0, 0, 0, 1, 8, 0, 0, 1, 0]).is_ok());
+        let error = Ssvdag::new(&[depth, 0, 0, 0, 1, 8, 0, 0, 1 | outside, 0]).unwrap_err();
+        assert_eq!(error, SsvdagError::Brick { word: 8 }, "a voxel outside the cube of depth {depth}");
+    }
     let length = |expected, found| SsvdagError::Length { expected, found };
     assert_eq!(Ssvdag::new(&words[..20]).unwrap_err(), length(21, 20));
     assert_eq!(Ssvdag::new(&[]).unwrap_err(), length(8, 0));

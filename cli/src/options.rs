@@ -227,12 +227,12 @@ pub struct PictureArgs {
     #[arg(long, value_name = "N", value_parser = samples, allow_negative_numbers = true)]
     pub samples: Option<Samples>,
 
-    /// Pixels that take all of these rays: all, near[:SHARE], region:X0,Y0,X1,Y1 or adaptive[:DEGREES] [default: all]
+    /// Pixels that take all these rays: all, near[:SHARE], region:X0,Y0,X1,Y1, adaptive[:DEGREES] [default: all]
     ///
-    /// near: those whose centre shows the nearer share of the voxels, 0.5 unless given, along the axis that the view
-    /// follows most; the others take one ray. region: columns X0 to X1 and rows Y0 to Y1, the last ones excluded; the
-    /// others take one ray. adaptive: those whose four corners do not see one smooth surface, of one material and with
-    /// normals within some degrees, 2 unless given; the others take these four rays.
+    /// near:     the middle shows the nearer SHARE (0.5) of the voxels along the view; one ray elsewhere
+    /// region:   columns X0 to X1 and rows Y0 to Y1, the last ones excluded; one ray elsewhere
+    /// adaptive: the corners do not see one smooth surface, of one material and with normals within DEGREES (2);
+    ///           these four rays elsewhere
     #[arg(long, value_name = "WHICH", value_parser = supersample, verbatim_doc_comment, allow_hyphen_values = true)]
     pub supersample: Option<SupersampleArg>,
 
@@ -487,7 +487,8 @@ fn samples(text: &str) -> Result<Samples, String> {
     text.parse().ok().and_then(Samples::new).ok_or_else(|| "expected 1, 4, 5, 16 or 64".to_owned())
 }
 
-fn supersample(text: &str) -> Result<SupersampleArg, String> {
+/// Reads which pixels take all samples.
+pub fn supersample(text: &str) -> Result<SupersampleArg, String> {
     let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
     let within = |value: Option<&str>, usual: f64, largest: f64| match value.map_or(Ok(usual), number)? {
         x if (0.0..=largest).contains(&x) => Ok(x),

@@ -133,12 +133,61 @@ fn the_next_command_keeps_the_flags_and_works() {
 fn render_reports_what_it_did() {
     let s = Sandbox::new();
     let json = s.ok("render box.obj -o box.png -r 64 --size 80x60 --samples 5 --json").json();
-    has_keys(&json, "width height samples rays.primary rays.shadow rays.secondary hits ms.trace ms.total effects");
+    has_keys(
+        &json,
+        "width height samples supersample supersampled rays.primary rays.shadow rays.secondary hits ms.trace ms.total effects",
+    );
     assert_eq!((&json["width"], &json["height"], &json["samples"]), (&80.into(), &60.into(), &5.into()));
     assert_eq!(json["rays"]["primary"], 80 * 60 * 5);
     let hits = json["hits"].as_u64().unwrap();
     assert!(hits > 80 * 60 * 5 / 20 && hits < 80 * 60 * 5, "the box fills a part of the picture: {hits}");
     assert!(json["effects"].is_array());
+}
+
+#[test]
+fn supersampled_pixels_are_those_of_the_picture_with_all_samples() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd -r 64");
+    let render = |flags: &str| {
+        let json = s.ok(&format!("render box.vxd -o box.png --size 40x30 --json {flags}")).json();
+        let pixels = image::load_from_memory(&s.read("box.png")).unwrap().into_rgba8();
+        (pixels.pixels().map(|p| p.0).collect::<Vec<_>>(), json)
+    };
+    let (one, _) = render("--samples 1");
+    let (all, json) = render("--samples 16");
+    assert_eq!((&json["supersample"], &json["supersampled"]), (&"all".into(), &1.0.into()));
+    assert_eq!(render("--supersample all").0, all);
+    for (which, typed) in
+        [("near:0.4", "near:0.4"), ("region:3,4,30,21", "region:3,4,30,21"), ("adaptive", "adaptive:2")]
+    {
+        let (found, json) = render(&format!("--supersample {which}"));
+        let (marked, _) = render(&format!("--supersample {which} --show samples"));
+        assert_eq!((&json["supersample"], &json["samples"]), (&typed.into(), &16.into()));
+        let mut chosen = 0;
+        for i in 0..found.len() {
+            if marked[i] != found[i] {
+                assert_eq!((found[i], marked[i][0]), (all[i], 255), "{which}, pixel {i}");
+                chosen += 1;
+            } else if typed != "adaptive:2" {
+                assert_eq!(found[i], one[i], "{which}, pixel {i}");
+            }
+        }
+        assert!((50..1150).contains(&chosen), "{which}: {chosen} of 1200");
+        assert_eq!(json["supersampled"], f64::from(chosen) / 1200.0);
+        let rays = json["rays"]["primary"].as_u64().unwrap();
+        let least = match typed {
+            "near:0.4" => 1200 + 16 * chosen,
+            "adaptive:2" => 4 * 1200 + 12 * chosen,
+            _ => 1200 + 15 * chosen,
+        };
+        assert_eq!(rays, least as u64, "{which}");
+        let text = s.ok(&format!("render box.vxd -o box.png --size 40x30 --supersample {which}")).stdout;
+        assert!(
+            text.contains(&format!("16 samples per pixel in {:.1} % of them ({typed})", f64::from(chosen) / 12.0)),
+            "{text}"
+        );
+    }
+    assert_eq!(render("--samples 1").1["supersampled"], 0.0);
 }
 
 #[test]

@@ -7,7 +7,7 @@ use voxdag::file::{self, Parts, Scene};
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::materials::{AnyMaterials, Single};
 use voxdag::normal::{NormalKind, normal};
-use voxdag::render::{Settings, View, render_rows};
+use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::table::{Entry, TableBuf};
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
 use voxdag::{Grid, Material, Materials, Morton};
@@ -206,10 +206,12 @@ fn trace_and_draw(scene: &Scene<'_>, palette: &[Material]) {
     let camera = Camera::framing(&scene.bounds, scene.up);
     let lights = [camera.headlight(scene.bounds.radius())];
     let view = View { tracer, materials: scene.materials, palette, grid: scene.grid, camera, lights: &lights };
-    let settings = Settings { width: 4, height: 4, ..Settings::default() };
     // A box at the end of the range of numbers has no camera; any other makes a picture.
     let mut pixels = [0; 16];
-    if render_rows(&view, &settings, 0..4, &mut pixels).is_ok() {
-        assert!(pixels.iter().all(|pixel| pixel >> 24 == 255));
+    for supersample in [Supersample::near(dag, &camera, 0.5), Supersample::Adaptive { degrees: 2.0 }] {
+        let settings = Settings { width: 4, height: 4, samples: Samples::Sixteen, supersample, ..Settings::default() };
+        if render_rows(&view, &settings, 0..4, &mut pixels).is_ok() {
+            assert!(pixels.iter().all(|pixel| pixel >> 24 == 255));
+        }
     }
 }

@@ -23,7 +23,7 @@ pub fn ssvdag(data: &[u8]) {
     let size = f64::from(1u32 << depth);
     let rays = (0..bytes.u8() % 4).map(|_| Query::new(bytes.floats(size), bytes.floats(size))).collect::<Vec<_>>();
     let mut set = VoxelSet::default();
-    while !bytes.is_empty() && set.codes().len() < 2000 {
+    while !bytes.is_empty() && set.codes().len() < 500 {
         let (shape, corner) = (bytes.u8(), bytes.array::<3>().map(|x| u32::from(x) % (1 << depth)));
         let side = 1u32 << (shape & 3);
         let cube =
