@@ -1,4 +1,4 @@
-//! Rank by prefix counts per child, in an array parallel to the DAG's nodes (after Dolonius et al. 2017, section 3).
+//! Rank by prefix counts per child, in an array parallel to the DAG's nodes (after Dolonius et al. 2017).
 //!
 //! In: a DAG, and words made for it. Out: ranks. At a child's place stands the number of voxels in the children before
 //! it, at a mask's place the node's total, so every count can be checked against those of the level below, without a

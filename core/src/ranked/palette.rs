@@ -1,4 +1,4 @@
-//! Material ids by rank in blocks with palettes of their own (after Dado et al. 2016, section 5; block size fixed as in
+//! Material ids by rank in blocks with palettes of their own (after Dado et al. 2016; block size fixed as in
 //! Dolonius et al. 2017).
 //!
 //! In: ids in Morton order. Out: words whose look-ups read a block's entry, an index and a palette: a block of one
