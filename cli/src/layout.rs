@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use voxdag::Dag;
 use voxdag::build::{BuildError, DagBuf};
 use voxdag::geometry::AnyGeometry;
 use voxdag::rank::{AnyRank, MoxelDagBuf, OffsetsBuf, Prefix, Totals};
 use voxdag::ssvdag::SsvdagBuf;
-use voxdag::svo::SvoBuf;
+use voxdag::svo::{Svo, SvoBuf};
 
 use crate::options::GeometryArg;
 
@@ -27,6 +28,23 @@ enum Other {
 }
 
 impl Layout {
+    /// About how many bytes it takes to make the layout, beside the DAG.
+    pub fn bytes_for(dag: &Dag<'_>, kind: GeometryArg, ranks: bool) -> Result<u64, BuildError> {
+        let words = dag.words().len() as u64;
+        let counts = if ranks { 4 * Prefix::words_for(dag) as u64 } else { 0 };
+        Ok(match kind {
+            GeometryArg::Dag => counts,
+            GeometryArg::Svo => {
+                let stats = dag.stats().map_err(|bytes| BuildError::Memory { bytes: bytes as u64 })?;
+                Svo::words_for(&stats).saturating_mul(4).saturating_add(counts)
+            }
+            // Per word of the DAG: 12 bytes for the places and counts of its nodes, and at most 12 for its copy.
+            GeometryArg::Offsets | GeometryArg::Moxel => 24 * words,
+            // Classes of nodes, with their forms in a hash set, and the words; there are fewer totals than counts.
+            GeometryArg::Ssvdag => 24 * words + counts,
+        })
+    }
+
     /// Turns a DAG into the layout, with counts if `ranks` are asked for.
     pub fn new(dag: Arc<DagBuf>, kind: GeometryArg, ranks: bool) -> Result<Layout, BuildError> {
         let plain = dag.dag();
@@ -57,7 +75,7 @@ impl Layout {
         }
     }
 
-    /// What numbers the voxels; `None` if ranks were not asked for.
+    /// What numbers the voxels; `None` if that takes counts which were not asked for.
     pub fn rank(&self) -> Option<AnyRank<'_>> {
         match &self.other {
             None | Some(Other::Svo(_)) => Prefix::new(self.dag.dag(), &self.counts).ok().map(AnyRank::Prefix),
@@ -67,7 +85,7 @@ impl Layout {
         }
     }
 
-    /// Words that the layout holds beside the DAG.
+    /// Words that it holds, those of the DAG included.
     pub fn words(&self) -> usize {
         let other = if self.other.is_some() { self.geometry().words().len() } else { 0 };
         self.dag.words().len() + other + self.counts.len()

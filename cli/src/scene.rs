@@ -24,7 +24,7 @@ use crate::error::{Error, Kind, Result};
 use crate::input::Companions;
 use crate::layout::Layout;
 use crate::memory::{Memory, round_up};
-use crate::options::{BuildArgs, CoverArg, MaterialsArg, UpAxisArg};
+use crate::options::{BuildArgs, CoverArg, GeometryArg, MaterialsArg, UpAxisArg};
 use crate::ordered::in_order;
 use crate::picture::Shown;
 use crate::progress::Progress;
@@ -267,13 +267,15 @@ pub fn voxelize<T>(
 pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<Built> {
     let mode = mode(args);
     let built = voxelize(source, args, mode, memory, |voxels| {
-        let Voxels { grid, bounds, dag, pending, voxelize, reduce } = voxels;
+        let Voxels { grid, bounds, dag, mut pending, voxelize, reduce } = voxels;
         let progress = Progress::stage("materials", 0);
         let (voxel_materials, time) = stats::timed(|| voxel_materials(&pending, dag.dag(), mode));
         drop(progress);
         let voxel_materials = voxel_materials?;
+        pending.hold(size_of_val(voxel_materials.words()) as u64);
+        let dag = Arc::new(dag);
         let kind = args.geometry.unwrap_or_default();
-        let (layout, laid_out) = stats::timed(|| Layout::new(Arc::new(dag), kind, voxel_materials.needs_rank()));
+        let (layout, laid_out) = stats::timed(|| layout(&pending, &dag, kind, voxel_materials.needs_rank()));
         let layout = layout?;
         let (materials, names) = match voxel_materials {
             MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
@@ -295,8 +297,19 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
             cost: Cost { parse: source.parse_time, voxelize, reduce: reduce + laid_out, materials: time },
         })
     })?;
-    memory.hold(4 * (built.layout.words() + built.voxel_materials().words().len()) as u64);
+    memory.hold(4 * (built.layout.words() + built.voxel_materials.words().len()) as u64);
     Ok(built)
+}
+
+/// The layout of the voxels, if the memory limit allows it.
+pub fn layout(
+    pending: &PendingMaterials<'_, '_>,
+    dag: &Arc<DagBuf>,
+    kind: GeometryArg,
+    ranks: bool,
+) -> std::result::Result<Layout, SceneError> {
+    pending.afford(&dag.dag(), Layout::bytes_for(&dag.dag(), kind, ranks)?)?;
+    Ok(Layout::new(dag.clone(), kind, ranks)?)
 }
 
 /// What says which material a voxel has. A table is filled by all threads: each takes the entries of its part.
@@ -360,7 +373,7 @@ impl Built {
         Bytes::of(self.layout.geometry(), &self.stats, self.voxel_materials(), file)
     }
 
-    /// Writes the `.vxd` file; the DAG and the table go out as they are.
+    /// Writes the `.vxd` file; the geometry and what finds materials go out as they are.
     pub fn write(&self, mut file: impl Write) -> std::io::Result<()> {
         self.with_parts(|parts| {
             let mut head = vec![0; parts.head_len() as usize];

@@ -144,6 +144,7 @@ fn a_run_within_the_limit_stays_within_it() {
         (40, "build sheet.obj -o sheet.vxd -r 512 --materials none"),
         (200, "build sheet.obj -o sheet.vxd -r 512 --materials table-normals"),
         (60, "render sheet.obj -o sheet.png -r 400 --size 900x900 --samples 1 --normals face"),
+        (8, "render box.obj -o box.png -r 3000 --geometry svo --materials none --size 64x48"),
     ] {
         let run = s.run(&format!("{command} --memory-limit {limit}M --json"));
         if run.code == 0 {

@@ -1,5 +1,5 @@
-//! Which material a voxel has, beside a DAG that knows geometry only. One type per representation; renderers are generic
-//! over it, and the edge matches on [`AnyMaterials`] once per call.
+//! Which material a voxel has, beside a geometry that knows none. One type per representation; renderers are generic over
+//! it, and the edge matches on [`AnyMaterials`] once per call.
 
 use crate::material::MaterialId;
 use crate::morton::Morton;
@@ -10,7 +10,8 @@ use crate::ranked::{Moxels, Packed, Palettes, Ranked, Values};
 use crate::table::Table;
 use crate::tree::Tree;
 
-/// Look-ups by voxel. A representation that needs the geometry for them (ranks) holds a view of it. They are total: a voxel that the representation does not know has material 0 and no normal.
+/// Look-ups by voxel. A representation that needs the geometry for them (ranks) holds a view of it. They are total: a voxel
+/// that the representation does not know has material 0 and no normal.
 pub trait Materials: Copy + Sync {
     /// Index into the scene's materials.
     fn id(&self, voxel: Morton) -> MaterialId;
@@ -87,6 +88,18 @@ impl MaterialsBuf {
     /// Whether look-ups go by rank.
     pub fn needs_rank(&self) -> bool {
         matches!(self, MaterialsBuf::Ranked(_) | MaterialsBuf::Palettes(_) | MaterialsBuf::Moxels(_))
+    }
+
+    /// The words, less those of ranks; none for a single material.
+    pub fn words(&self) -> &[u32] {
+        match self {
+            MaterialsBuf::Single(_) => &[],
+            MaterialsBuf::Table(table) => table.as_table().words(),
+            MaterialsBuf::Tree(tree) => tree.tree().words(),
+            MaterialsBuf::Ranked(ids) => ids.as_packed().words(),
+            MaterialsBuf::Palettes(ids) => ids.as_palettes().words(),
+            MaterialsBuf::Moxels(moxels) => moxels.as_moxels().words(),
+        }
     }
 
     /// The view that answers look-ups: by `rank` where [`MaterialsBuf::needs_rank`]. An error if it is of other voxels, or

@@ -261,14 +261,16 @@ impl<'m> Build<'m> {
     }
 }
 
-/// Bytes of the table of so many voxels; a tree and palettes grow with their borders only, and are watched as they do.
+/// Bytes of the table of so many voxels, at most; a tree grows with its borders only, and is watched as it does.
 fn table_bytes(mode: MaterialMode, voxels: u64) -> u64 {
     let words = |normals| Table::words_for(Table::slots_for(voxels), normals).saturating_mul(4);
     match mode {
-        MaterialMode::None | MaterialMode::Tree | MaterialMode::Palettes => 0,
+        MaterialMode::None | MaterialMode::Tree => 0,
         MaterialMode::Table => words(false),
         MaterialMode::TableNormals => words(true),
         MaterialMode::Ranked => voxels.saturating_mul(2),
+        // An index of a byte, an id of two in the palette.
+        MaterialMode::Palettes => voxels.saturating_mul(3),
         MaterialMode::Moxels => voxels.saturating_mul(4),
         MaterialMode::MoxelsNormals => voxels.saturating_mul(8),
     }
@@ -292,7 +294,7 @@ impl<'b, 'm> Join<'b, 'm> {
     /// The finished DAG, and what its material map is made from.
     pub fn finish(self) -> Result<(DagBuf, PendingMaterials<'b, 'm>), SceneError> {
         let dag = self.builder.finish().map_err(|e| self.build.reduce_error(e))?;
-        Ok((dag, PendingMaterials { build: self.build, owners: self.owners }))
+        Ok((dag, PendingMaterials { build: self.build, owners: self.owners, held: 0 }))
     }
 }
 
@@ -300,6 +302,8 @@ impl<'b, 'm> Join<'b, 'm> {
 pub struct PendingMaterials<'b, 'm> {
     build: &'b Build<'m>,
     owners: Owners,
+    /// Bytes of what was made of the voxels and is kept.
+    held: u64,
 }
 
 impl PendingMaterials<'_, '_> {
@@ -308,15 +312,25 @@ impl PendingMaterials<'_, '_> {
     /// Threads fill it together: each takes a part of [`TableMut::split`](crate::table::TableMut::split) and all
     /// [`PendingMaterials::entries`].
     pub fn empty_table(&self, dag: &Dag<'_>, normals: bool) -> Result<TableBuf, SceneError> {
-        let voxels = self.afford(dag, if normals { MaterialMode::TableNormals } else { MaterialMode::Table })?;
+        let voxels = self.afford_voxels(dag, if normals { MaterialMode::TableNormals } else { MaterialMode::Table })?;
         Ok(TableBuf::new(voxels, normals)?)
     }
 
+    /// Counts bytes that are kept of what was made, for the limit.
+    pub fn hold(&mut self, bytes: u64) {
+        self.held = self.held.saturating_add(bytes);
+    }
+
+    /// Refuses to take `bytes` beside `dag`, the owners and what is held, if that is over the limit.
+    pub fn afford(&self, dag: &Dag<'_>, bytes: u64) -> Result<(), SceneError> {
+        let held = self.held.saturating_add(self.owners.bytes() + 4 * dag.words().len() as u64);
+        self.build.within(held.saturating_add(bytes))
+    }
+
     /// Refuses what grows with the voxels, before it does; their number.
-    fn afford(&self, dag: &Dag<'_>, mode: MaterialMode) -> Result<u64, SceneError> {
+    fn afford_voxels(&self, dag: &Dag<'_>, mode: MaterialMode) -> Result<u64, SceneError> {
         let voxels = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
-        let held = self.owners.bytes() + 4 * dag.words().len() as u64;
-        self.build.within(table_bytes(mode, voxels).saturating_add(held))?;
+        self.afford(dag, table_bytes(mode, voxels))?;
         Ok(voxels)
     }
 
@@ -327,7 +341,6 @@ impl PendingMaterials<'_, '_> {
 
     /// The material tree of `dag`, the DAG that these owners came with.
     pub fn tree(&self, dag: &Dag<'_>) -> Result<TreeBuf, SceneError> {
-        let held = self.owners.bytes() + 4 * dag.words().len() as u64;
         let mut builder = TreeBuilder::new(dag.depth())?;
         let mut mixed = &self.owners.mixed[..];
         for (i, ((code, mask), &owner)) in dag.bricks().zip(&self.owners.bricks).enumerate() {
@@ -339,11 +352,11 @@ impl PendingMaterials<'_, '_> {
                 builder.push_uniform(code, owner as MaterialId)?;
             }
             if i % 4096 == 0 {
-                self.build.within(held + 2 * builder.bytes())?;
+                self.afford(dag, 2 * builder.bytes())?;
             }
         }
         // Laying it out takes as much again.
-        self.build.within(held + 2 * builder.bytes())?;
+        self.afford(dag, 2 * builder.bytes())?;
         Ok(builder.finish()?)
     }
 
@@ -355,18 +368,17 @@ impl PendingMaterials<'_, '_> {
             table.insert_all(entries())?;
             Ok(MaterialsBuf::Table(table))
         };
-        if matches!(mode, MaterialMode::Ranked | MaterialMode::Moxels | MaterialMode::MoxelsNormals) {
-            self.afford(dag, mode)?;
-        }
+        // An array by rank: refused before it is made if it may grow too large.
+        let array = || self.afford_voxels(dag, mode).map(|_| entries());
         Ok(match mode {
             MaterialMode::None => MaterialsBuf::Single(Single(0)),
             MaterialMode::Tree => MaterialsBuf::Tree(self.tree(dag)?),
             MaterialMode::Table => return table(false),
             MaterialMode::TableNormals => return table(true),
-            MaterialMode::Ranked => MaterialsBuf::Ranked(PackedBuf::from_entries(entries())?),
-            MaterialMode::Palettes => MaterialsBuf::Palettes(PalettesBuf::from_entries(entries())?),
-            MaterialMode::Moxels => MaterialsBuf::Moxels(MoxelsBuf::from_entries(entries(), false)?),
-            MaterialMode::MoxelsNormals => MaterialsBuf::Moxels(MoxelsBuf::from_entries(entries(), true)?),
+            MaterialMode::Ranked => MaterialsBuf::Ranked(PackedBuf::from_entries(array()?)?),
+            MaterialMode::Palettes => MaterialsBuf::Palettes(PalettesBuf::from_entries(array()?)?),
+            MaterialMode::Moxels => MaterialsBuf::Moxels(MoxelsBuf::from_entries(array()?, false)?),
+            MaterialMode::MoxelsNormals => MaterialsBuf::Moxels(MoxelsBuf::from_entries(array()?, true)?),
         })
     }
 }

@@ -56,7 +56,7 @@ impl SvoBuf {
     pub fn build(dag: &Dag<'_>, limit: u32) -> Result<SvoBuf, BuildError> {
         let stats = dag.stats().map_err(|bytes| BuildError::Memory { bytes: bytes as u64 })?;
         let needed = Svo::words_for(&stats);
-        if needed > limit.into() {
+        if needed > limit.min(NODE - 1).into() {
             return Err(BuildError::Words { needed });
         }
         let mut words = Vec::new();
@@ -120,7 +120,9 @@ impl Geometry for Svo<'_> {
     }
 
     fn is_node(&self, node: u32, level: u8) -> bool {
-        node.is_multiple_of(2) && (self.level_start(level)..self.level_start(level + 1)).contains(&(node as usize))
+        level <= self.depth().max(BRICK_LEVEL)
+            && node.is_multiple_of(2)
+            && (self.level_start(level)..self.level_start(level + 1)).contains(&(node as usize))
     }
 
     #[inline]

@@ -6,9 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use voxdag::materials::{Materials, MaterialsBuf};
-use voxdag::rank::MoxelDagBuf;
 use voxdag::render::Samples;
-use voxdag::scene::MaterialMode;
+use voxdag::scene::{MaterialMode, SceneError};
 use voxdag::trace::{Arithmetic, Query, Tracer};
 use voxdag::{Dag, Material, Morton, Rank, thesis};
 
@@ -67,6 +66,14 @@ struct Kept {
     bounds: voxdag::grid::Bounds,
 }
 
+impl Kept {
+    fn bytes(&self) -> u64 {
+        let layouts: usize = self.layouts.iter().map(|layout| 4 * layout.words()).sum();
+        let materials: usize = self.materials.iter().map(|materials| size_of_val(materials.words())).sum();
+        (layouts + materials) as u64
+    }
+}
+
 /// Times of the stages of building, in ms.
 #[derive(Default)]
 struct Stages {
@@ -88,9 +95,10 @@ pub fn run(
     subject: &Subject<'_>,
     report: &mut Report,
     view: &dyn Fn(&Shown<'_>) -> PictureArgs,
-    memory: &Memory,
+    memory: &mut Memory,
 ) -> Result<Vec<(&'static str, Picture)>> {
     let kept = build(subject, report, memory)?;
+    memory.hold(kept.bytes());
     let palette: Vec<Material> = subject.source.model.materials.iter().map(|m| m.material).collect();
     let shown = |layout: usize, materials: usize| -> Result<Shown<'_>> {
         let layout = &kept.layouts[layout];
@@ -108,7 +116,9 @@ pub fn run(
     sizes(subject, report, &kept)?;
     look_ups(subject, report, &kept, &shown(DAG, TREE)?, &args)?;
     agree(subject, report, &shown, &args, memory)?;
-    draw(subject, report, &shown, &args, memory)
+    let pictures = draw(subject, report, &shown, &args, memory);
+    memory.release(kept.bytes());
+    pictures
 }
 
 fn defect(error: impl std::fmt::Display) -> Error {
@@ -123,32 +133,37 @@ fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<
     for run in 0..subject.runs {
         let last = run + 1 == subject.runs;
         kept = scene::voxelize(subject.source, &args, MaterialMode::TableNormals, memory, |voxels| {
-            let Voxels { grid, bounds, dag, pending, voxelize, reduce } = voxels;
+            let Voxels { grid, bounds, dag, mut pending, voxelize, reduce } = voxels;
             stages.voxelize.push(ms(voxelize));
             stages.dag.push(ms(reduce));
-            let timed = |times: &mut Vec<f64>, mode| {
+            let mut timed = |times: &mut Vec<f64>, mode| -> std::result::Result<MaterialsBuf, SceneError> {
                 let (made, time) = stats::timed(|| scene::voxel_materials(&pending, dag.dag(), mode));
                 times.push(ms(time));
-                made
+                let made = made?;
+                pending.hold(size_of_val(made.words()) as u64);
+                Ok(made)
             };
             let table = timed(&mut stages.table, MaterialMode::TableNormals)?;
             let moxels = timed(&mut stages.moxel_table, MaterialMode::MoxelsNormals)?;
             let tree = timed(&mut stages.tree, MaterialMode::Tree)?;
-            let (moxel_dag, time) = stats::timed(|| MoxelDagBuf::build(&dag.dag()));
-            moxel_dag?;
-            stages.moxel_dag.push(ms(time) + ms(reduce));
             let dag = Arc::new(dag);
-            let (ssvdag, time) = stats::timed(|| Layout::new(dag.clone(), GeometryArg::Ssvdag, true));
+            let (moxel_dag, time) = stats::timed(|| scene::layout(&pending, &dag, GeometryArg::Moxel, true));
+            drop(moxel_dag?);
+            stages.moxel_dag.push(ms(time) + ms(reduce));
+            let (ssvdag, time) = stats::timed(|| scene::layout(&pending, &dag, GeometryArg::Ssvdag, true));
+            let ssvdag = ssvdag?;
             stages.ssvdag.push(ms(time));
             if !last {
                 return Ok(None);
             }
+            pending.hold(4 * ssvdag.words() as u64);
             let mut materials = vec![tree];
             for (_, mode) in &MATERIALS[1..] {
                 let made = match mode {
                     MaterialMode::TableNormals | MaterialMode::MoxelsNormals => continue,
                     mode => scene::voxel_materials(&pending, dag.dag(), *mode)?,
                 };
+                pending.hold(size_of_val(made.words()) as u64);
                 materials.push(made);
             }
             materials.insert(TABLE_NORMALS, table);
@@ -156,10 +171,12 @@ fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<
             let mut layouts = Vec::new();
             for (_, kind) in &LAYOUTS {
                 if *kind != GeometryArg::Ssvdag {
-                    layouts.push(Layout::new(dag.clone(), *kind, true)?);
+                    let layout = scene::layout(&pending, &dag, *kind, true)?;
+                    pending.hold(4 * layout.words() as u64);
+                    layouts.push(layout);
                 }
             }
-            layouts.insert(1, ssvdag?);
+            layouts.insert(1, ssvdag);
             Ok(Some(Kept { layouts, materials, grid, bounds }))
         })?;
     }
@@ -233,7 +250,7 @@ fn sizes(subject: &Subject<'_>, report: &mut Report, kept: &Kept) -> Result<()> 
     put("5.9a", "prefix counts beside the DAG", kb(counts), None);
     put("5.9b", "prefix counts beside the DAG", bits(counts), None);
     for ((name, _), materials) in MATERIALS.iter().zip(&kept.materials) {
-        let bytes = 4 * materials.as_materials(rank).map_err(defect)?.words().len() as u64;
+        let bytes = size_of_val(materials.words()) as u64;
         put("5.9a", name, kb(bytes), None);
         put("5.9b", name, bits(bytes), None);
     }
