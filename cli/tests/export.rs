@@ -172,6 +172,12 @@ fn d05_the_fullest_cube_is_counted_and_refused_in_no_time() {
         s.run(&format!("export full.vxd --to {to}")).fails(4, &["9,223,372,036,854,775,808 voxels", "hint:"]);
     }
     s.run("export full.vxd --to binvox -o out.binvox").fails(4, &["2097152", "4096"]);
+    for subject in ["materials", "ranks"] {
+        for scene in ["full.vxd", "table.vxd"] {
+            s.run(&format!("bench {subject} {scene} --size 4x4 --repeat 1"))
+                .fails(4, &["9,223,372,036,854,775,808 voxels"]);
+        }
+    }
     assert_eq!(s.files(), before);
 }
 

@@ -5,17 +5,12 @@ use voxdag::Geometry;
 use voxdag::Morton;
 use voxdag::Rank;
 use voxdag::materials::{AnyMaterials, Materials};
-use voxdag_oracle::rng::Rng;
 
-use super::{Cost, Run, rays};
+use super::{Cost, Run, rays, scattered};
 use crate::error::Result;
 use crate::measure::{Arm, measure};
 use crate::picture::Shown;
 use crate::report::{self, Lines, grouped};
-use crate::scene;
-
-/// Voxels of the scattered look-ups, at most.
-const SCATTERED: u64 = 1 << 20;
 
 /// What `bench materials --json` prints.
 #[derive(Serialize)]
@@ -47,30 +42,25 @@ struct Probes {
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     match scene.materials {
-        AnyMaterials::Single(single) => with(run, scene, single, "single", None),
-        AnyMaterials::Tree(tree) => with(run, scene, tree, "tree", None),
-        AnyMaterials::Ranked(ids) => with(run, scene, ids, "ranked", None),
-        AnyMaterials::Palettes(ids) => with(run, scene, ids, "palette", None),
-        AnyMaterials::Moxels(moxels) => with(run, scene, moxels, "moxel", None),
-        AnyMaterials::Table(table) => {
-            let probes: u64 = scene.geometry.voxels().map(|v| u64::from(table.probes(v))).sum();
-            let mean = probes as f64 / scene::count(scene.geometry)?.voxels.max(1) as f64;
-            with(run, scene, table, "table", Some(Probes { mean, max: table.longest_probe() }))
-        }
+        AnyMaterials::Single(single) => with(run, scene, single, "single"),
+        AnyMaterials::Tree(tree) => with(run, scene, tree, "tree"),
+        AnyMaterials::Ranked(ids) => with(run, scene, ids, "ranked"),
+        AnyMaterials::Palettes(ids) => with(run, scene, ids, "palette"),
+        AnyMaterials::Moxels(moxels) => with(run, scene, moxels, "moxel"),
+        AnyMaterials::Table(table) => with(run, scene, table, "table"),
     }
 }
 
-fn with<M: Materials>(
-    run: &Run,
-    scene: &Shown<'_>,
-    materials: M,
-    kind: &'static str,
-    probes: Option<Probes>,
-) -> Result<()> {
+fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, kind: &'static str) -> Result<()> {
+    let (scattered, voxels) = scattered(run, scene)?;
     let hits: Vec<_> = rays::seen(run, scene)?.iter().map(|f| f.hit.voxel).collect();
-    let voxels = scene::count(scene.geometry)?.voxels;
-    let mut scattered: Vec<_> = scene.geometry.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
-    Rng::new(3).shuffle(&mut scattered);
+    let probes = match scene.materials {
+        AnyMaterials::Table(table) => {
+            let probes: u64 = scene.geometry.voxels().map(|v| u64::from(table.probes(v))).sum();
+            Some(Probes { mean: probes as f64 / voxels.max(1) as f64, max: table.longest_probe() })
+        }
+        _ => None,
+    };
 
     let look_up = |voxels| Arm::each(voxels, move |v: &Morton| u64::from(materials.id(*v)));
     let rank = scene.materials.rank();
@@ -90,14 +80,11 @@ fn with<M: Materials>(
         probes,
     };
     let mut lines = Lines::default();
-    lines
-        .row("kind", report.kind)
-        .row("voxels", grouped(report.voxels))
-        .row("hits of a picture", report.hits.text())
-        .row("scattered", report.scattered.text());
+    lines.row("kind", report.kind).row("voxels", grouped(report.voxels)).row("hits of a picture", report.hits.text());
     if let Some(rank) = &report.rank {
         lines.row("  of these the rank", rank.text());
     }
+    lines.row("scattered", report.scattered.text());
     lines.row("bytes", format!("{} ({:.3} bits per voxel)", grouped(report.bytes), report.bits_per_voxel));
     if let Some(probes) = &report.probes {
         lines.row("probes", format!("{:8.3} on average, {} at most", probes.mean, probes.max));

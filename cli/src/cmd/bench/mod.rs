@@ -15,12 +15,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Subcommand;
 use serde::Serialize;
+use voxdag::{Geometry, Morton};
+use voxdag_oracle::rng::Rng;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::input::{self, Content};
 use crate::measure::Times;
 use crate::options::{BuildArgs, CameraArgs, MachineArgs, ReportArgs, picture_size};
 use crate::picture::Shown;
+use crate::report::grouped;
 use crate::scene::{self, Source};
 
 /// Measure how fast this machine traces, shades and builds
@@ -143,6 +146,24 @@ impl Input {
             Input::Scene(words) => use_scene(&Shown::of(&scene::open(&run.input, words)?)),
         }
     }
+}
+
+/// Voxels of the scattered look-ups, at most.
+const SCATTERED: u64 = 1 << 20;
+/// Most voxels that are counted off: minutes. A file of a kilobyte can stand for 2^63.
+const MOST_VISITED: u64 = 1 << 32;
+
+/// Voxels from everywhere, in random order, and the number of all of them; an error if they are too many to visit.
+fn scattered(run: &Run, scene: &Shown<'_>) -> Result<(Vec<Morton>, u64)> {
+    let voxels = scene::count(scene.geometry)?.voxels;
+    if voxels > MOST_VISITED {
+        let (found, most) = (grouped(voxels), grouped(MOST_VISITED));
+        let message = format_args!("{}: {found} voxels, this visits at most {most}", run.input.display());
+        return Err(Error::new(Kind::Limit, message).hint("build the scene again with a smaller -r"));
+    }
+    let mut some: Vec<_> = scene.geometry.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
+    Rng::new(3).shuffle(&mut some);
+    Ok((some, voxels))
 }
 
 /// Nanoseconds per item, as reports have them.

@@ -6,17 +6,13 @@ use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
 use voxdag::ranked::{MoxelsBuf, PackedBuf, PalettesBuf, Ranked};
 use voxdag::table::Entry;
 use voxdag::{Geometry, Materials, Morton, Rank};
-use voxdag_oracle::rng::Rng;
 
-use super::{Cost, Run, rays};
+use super::{Cost, Run, rays, scattered};
 use crate::error::{Error, Kind, Result};
 use crate::measure::{Arm, measure};
 use crate::picture::Shown;
 use crate::report::{self, Lines, grouped, size};
 use crate::stats;
-
-/// Voxels of the scattered look-ups, at most.
-const SCATTERED: u64 = 1 << 20;
 
 /// What `bench ranks --json` prints.
 #[derive(Serialize)]
@@ -50,6 +46,7 @@ fn built<T, E: std::fmt::Display>(build: impl FnOnce() -> std::result::Result<T,
 /// Runs the command.
 pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     let materials = scene.materials;
+    let (scattered, voxels) = scattered(run, scene)?;
     let (dag, _) = built(|| -> std::result::Result<_, BuildError> {
         let mut builder = DagBuilder::new(scene.geometry.depth())?;
         scene.geometry.bricks().try_for_each(|(code, mask)| builder.push(code, mask))?;
@@ -81,9 +78,6 @@ pub fn run(run: &Run, scene: &Shown<'_>) -> Result<()> {
     ];
 
     let hits: Vec<_> = rays::seen(run, scene)?.iter().map(|f| f.hit.voxel).collect();
-    let voxels = prefix.count();
-    let mut scattered: Vec<_> = dag.voxels().step_by(voxels.div_ceil(SCATTERED).max(1) as usize).collect();
-    Rng::new(3).shuffle(&mut scattered);
     let arms = |voxels| {
         [
             Arm::each(voxels, move |v: &Morton| prefix.rank(*v).unwrap_or(0)),
