@@ -204,13 +204,19 @@ fn up_is_where_the_file_says() {
 #[test]
 fn verify_says_what_it_checked() {
     let s = Sandbox::new();
-    for materials in ["none", "table", "table-normals"] {
-        s.ok(&format!("build box.obj -o box.vxd -r 50 --materials {materials}"));
-        let json = s.ok("verify box.vxd --json").json();
-        assert_eq!(json["ok"], true);
-        let checks = json["checks"].as_array().unwrap();
-        assert!(checks.len() >= 3, "{json:#}");
-        assert_eq!(checks.iter().any(|c| c["name"] == "table"), materials != "none", "{json:#}");
+    for geometry in ["dag", "ssvdag"] {
+        for (materials, check) in [("none", None), ("table", Some("table")), ("table-normals", Some("table"))]
+            .into_iter()
+            .chain([("tree", Some("tree")), ("ranked", Some("ranked"))])
+        {
+            s.ok(&format!("build box.obj -o box.vxd -r 50 --geometry {geometry} --materials {materials}"));
+            let json = s.ok("verify box.vxd --json").json();
+            assert_eq!(json["ok"], true);
+            let checks = json["checks"].as_array().unwrap();
+            let names: Vec<_> = checks.iter().map(|check| check["name"].as_str().unwrap()).collect();
+            let expected = ["header", geometry, "materials"].into_iter().chain(check);
+            assert_eq!(names, expected.collect::<Vec<_>>(), "{json:#}");
+        }
     }
 }
 

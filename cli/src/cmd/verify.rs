@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use voxdag::dag::{BRICK_LEVEL, Stats};
+use voxdag::geometry::AnyGeometry;
 use voxdag::materials::AnyMaterials;
-use voxdag::{Geometry, Morton, Table};
+use voxdag::{Geometry, Morton, Rank, Table};
 
 use crate::error::{Error, Result};
 use crate::input;
@@ -63,7 +64,7 @@ fn check(args: &Args) -> Result<()> {
     let mut checks = vec![
         Check { name: "header", found: format!("{}, every checksum right", size(4 * words.len() as u64)) },
         Check {
-            name: "dag",
+            name: if matches!(geometry, AnyGeometry::Ssvdag(_)) { "ssvdag" } else { "dag" },
             found: format!("{} nodes and bricks, every child one level below its parent", grouped(unique)),
         },
         Check {
@@ -80,6 +81,10 @@ fn check(args: &Args) -> Result<()> {
         let found = format!("{}, every entry names what is there", size(4 * tree.words().len() as u64));
         checks.push(Check { name: "tree", found });
     }
+    if let AnyMaterials::Ranked(ids) = scene.materials {
+        let found = format!("{} ids: one for every voxel, every count of ranks right", grouped(ids.rank().count()));
+        checks.push(Check { name: "ranked", found });
+    }
 
     let mut lines = Lines::default();
     for check in &checks {
@@ -93,7 +98,7 @@ fn check(args: &Args) -> Result<()> {
 
 /// Loading makes sure that the table is one; only here is it held against the voxels.
 fn each_voxel_has_its_entry(path: &Path, geometry: impl Geometry, table: Table<'_>, stats: &Stats) -> Result<()> {
-    // Counted first: that bounds the walk by the size of the file, whatever the DAG claims.
+    // Counted first: that bounds the walk by the size of the file, whatever the geometry claims.
     if table.len() != stats.voxels {
         return Err(damaged(path, format_args!("{} voxels, but {} entries", stats.voxels, table.len())));
     }
