@@ -18,6 +18,7 @@ fn tables_pictures_and_pages_are_written() {
     }
     assert!(text.contains("| bunny<\\|b> | triangles | 12 (29822) |"), "{text}");
     assert!(text.contains("| 16^3 | 32^3 |") && !text.contains("differ"), "{text}");
+    assert!(text.contains("medians of 2 runs") && text.contains("have 48x32 pixels"), "{text}");
 
     // A line per number, and as many numbers of a configuration as resolutions.
     let table = s.read("out/tables.csv");
@@ -53,7 +54,9 @@ fn tables_pictures_and_pages_are_written() {
 
     // Pictures are those that the report shows, and the survey holds its own.
     for link in text.split("](").skip(1).map(|rest| rest.split(')').next().unwrap()) {
-        let picture = image::load_from_memory(&s.read(&format!("out/{link}"))).unwrap();
+        assert!(!link.contains(['<', '|', '>', ' ']), "{link}");
+        let file = link.replace("%3C", "<").replace("%7C", "|").replace("%3E", ">");
+        let picture = image::load_from_memory(&s.read(&format!("out/{file}"))).unwrap();
         assert_eq!((picture.width(), picture.height()), (48, 32), "{link}");
     }
     let survey = String::from_utf8(s.read("out/survey.html")).unwrap();

@@ -82,7 +82,7 @@ pub fn run(args: &Args) -> Result<()> {
     let pictures = args.output.join("pictures");
     std::fs::create_dir_all(&pictures).map_err(|cause| Error::write(&pictures, cause))?;
     let names = names(&args.meshes)?;
-    let mut report = Report::new(args.runs, pool.current_num_threads());
+    let mut report = Report::new(args.runs, args.size, pool.current_num_threads());
     let mut parts = Vec::new();
 
     let mut resolutions = args.resolution.clone();
@@ -102,7 +102,7 @@ pub fn run(args: &Args) -> Result<()> {
             progress.say(visible(&format!("{name} at {resolution}")));
             let subject = Subject { name, source: &source, published, resolution, runs: args.runs };
             let view = |shown: &Shown<'_>| view(args, published, shown);
-            let drawn = pool.install(|| measure::run(&subject, &mut report, &view, &memory))?;
+            let drawn = pool.install(|| measure::run(&subject, &mut report, &view, &mut memory))?;
             if resolutions.last() == Some(&resolution) {
                 parts.push(keep(&mut report, &pictures, name, &drawn)?);
             }

@@ -12,7 +12,9 @@ pub struct Report {
     /// As it was typed.
     command: String,
     machine: Machine,
-    pub runs: u32,
+    runs: u32,
+    /// Pixels of the pictures along x and y.
+    size: [u32; 2],
     tables: Vec<Table>,
     pub agreements: Vec<Agreement>,
     /// Pictures by scene: name of the scene, of the configuration, and the file.
@@ -112,7 +114,7 @@ const FIGURES: [(&str, &str, &str); 3] = [
 
 impl Report {
     /// With empty tables.
-    pub fn new(runs: u32, threads: usize) -> Report {
+    pub fn new(runs: u32, size: [u32; 2], threads: usize) -> Report {
         let tables = TABLES.map(|(number, title, unit, digits, note)| Table {
             number,
             title,
@@ -131,6 +133,7 @@ impl Report {
                 version: env!("CARGO_PKG_VERSION"),
             },
             runs,
+            size,
             tables: tables.into(),
             agreements: Vec::new(),
             pictures: Vec::new(),
@@ -149,15 +152,16 @@ impl Report {
     /// For people.
     pub fn markdown(&self) -> String {
         let Machine { os, architecture, processor, threads, version } = &self.machine;
+        let [width, height] = self.size;
         let processor = processor.as_deref().map(|name| format!("{name}, ")).unwrap_or_default();
         let mut text = format!(
             "# The thesis's tables, measured again\n\nPineda (2021), *Exploring Material Representations for Sparse Voxel \
              DAGs*: tables 5.1 to 5.8 by this program's own implementations of both sides.\n\n    {}\n\nvoxdag {version} on \
-             {}{threads} threads ({os}, {architecture}). Times are medians of {} runs that took turns; pictures have \
-             640x480 pixels. KB are 1024 bytes, MB 1024^2.\n",
+             {}{threads} threads ({os}, {architecture}). Times are medians of {} that took turns; pictures have \
+             {width}x{height} pixels. KB are 1024 bytes, MB 1024^2.\n",
             self.command,
             visible(&processor),
-            self.runs
+            if self.runs == 1 { "1 run".to_owned() } else { format!("{} runs", self.runs) }
         );
         for table in self.tables.iter().filter(|table| !table.rows.is_empty()) {
             text += "\n";
@@ -176,7 +180,8 @@ impl Report {
                 text += &format!("\n### {title}\n\n| scene | {left} | {right} |\n| --- | --- | --- |\n");
                 let of = |scene: &str, configuration: &str| {
                     let picture = self.pictures.iter().find(|p| p[0] == scene && p[1] == configuration);
-                    picture.map_or(String::new(), |[.., file]| format!("![{scene}, {configuration}]({file})"))
+                    let link = |file: &String| format!("![{}, {configuration}]({})", escaped(scene), address(file));
+                    picture.map_or(String::new(), |[.., file]| link(file))
                 };
                 let mut last = "";
                 for [scene, ..] in &self.pictures {
@@ -221,6 +226,17 @@ impl Report {
     pub fn all_equal(&self) -> bool {
         self.agreements.iter().all(|agreement| agreement.equal)
     }
+}
+
+/// A file's path as an address, which ends at no space, bracket or column.
+fn address(path: &str) -> String {
+    path.bytes().fold(String::new(), |mut address, byte| {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'/' => address.push(byte.into()),
+            _ => address += &format!("%{byte:02X}"),
+        }
+        address
+    })
 }
 
 /// The processor's name, where the system has `/proc/cpuinfo`.
