@@ -2,9 +2,11 @@
 //! without.
 
 use voxdag::build::{BuildError, DagBuilder};
+use voxdag::geometry::AnyGeometry;
 use voxdag::materials::Single;
 use voxdag::normal::{NormalKind, normal};
 use voxdag::rank::{MoxelDagBuf, OffsetsBuf};
+use voxdag::ssvdag::SsvdagBuf;
 use voxdag::svo::{Svo, SvoBuf};
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
 use voxdag::{Dag, Geometry, Morton};
@@ -56,6 +58,32 @@ fn queries(dag: Dag<'_>, random: &mut Rng) -> Vec<Query> {
             Query { min_level: (i % 5) as u8 / 2, ..Query::new(origin, dir) }
         })
         .collect()
+}
+
+/// Whatever is asked for, a node is one if and only if a walk can meet it.
+#[test]
+fn no_question_for_a_node_can_panic() {
+    for depth in [0, 1, 3, 4] {
+        let words = VoxelSet::new([[0; 3], [(1 << depth) - 1; 3]]).words(depth);
+        let dag = Dag::new(&words).unwrap();
+        let (offsets, moxels) = (OffsetsBuf::build(&dag).unwrap(), MoxelDagBuf::build(&dag).unwrap());
+        let (svo, ssvdag) = (SvoBuf::build(&dag, 1000).unwrap(), SsvdagBuf::build(&dag).unwrap());
+        let all: [AnyGeometry<'_>; 5] = [
+            AnyGeometry::Dag(dag),
+            AnyGeometry::Offsets(offsets.as_offsets()),
+            AnyGeometry::MoxelDag(moxels.as_moxel_dag()),
+            AnyGeometry::Svo(svo.as_svo()),
+            AnyGeometry::Ssvdag(ssvdag.ssvdag()),
+        ];
+        for geometry in all {
+            let top = depth.max(2);
+            assert!(geometry.is_node(geometry.root(), top), "{geometry:?}");
+            for level in (0..2).chain(top + 1..=u8::MAX) {
+                let numbers = (0..200).chain([1 << 31, u32::MAX]);
+                assert!(!numbers.into_iter().any(|n| geometry.is_node(n, level)), "{level}: {geometry:?}");
+            }
+        }
+    }
 }
 
 fn all_layouts(what: &str, words: &[u32], random: &mut Rng, octree: bool) {

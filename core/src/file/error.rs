@@ -189,9 +189,9 @@ pub enum LoadError {
     Table(TableError),
     /// The material tree is none; offsets count from its section's start.
     Tree(TreeError),
-    /// The material tree's depth is not the DAG's.
+    /// The material tree's depth is not the geometry's.
     TreeDepth {
-        /// The DAG's depth.
+        /// The geometry's depth.
         expected: u8,
         /// The tree's.
         found: u8,
@@ -209,11 +209,11 @@ pub enum LoadError {
     Ranks(RankError),
     /// The ids by rank.
     Ids(RankedError),
-    /// The DAG's depth is not the grid's.
+    /// The geometry's depth is not the grid's.
     Depth {
         /// Depth for the grid's resolution.
         expected: u8,
-        /// The DAG's depth.
+        /// The geometry's depth.
         found: u8,
     },
     /// There is no material, there are more than 65,536, or their section has part of one.
@@ -295,14 +295,14 @@ impl core::fmt::Display for LoadError {
             Table(error) => error.fmt(f),
             Tree(error) => error.fmt(f),
             TreeDepth { expected, found } => {
-                write!(f, "the material tree has depth {found}: expected {expected}, the DAG's")
+                write!(f, "the material tree has depth {found}: expected {expected}, the geometry's")
             }
             Conflict { first, second } => write!(f, "the file has both {first} and {second}: expected one of them"),
             Ssvdag(error) => error.fmt(f),
             Ranks(error) => error.fmt(f),
             Ids(error) => error.fmt(f),
             Depth { expected, found } => {
-                write!(f, "the DAG has depth {found}: expected {expected} for the grid's resolution")
+                write!(f, "the geometry has depth {found}: expected {expected} for the grid's resolution")
             }
             MaterialCount { found } => {
                 write!(f, "the materials take {found} words: expected 20 each, for 1 to 65536 materials")

@@ -66,7 +66,8 @@ pub struct Scene<'a> {
     /// The filled voxels. Their depth is the grid's; filled voxels beyond the resolution, within the cube of 2^depth,
     /// are not looked for: they do no harm.
     pub geometry: AnyGeometry<'a>,
-    /// Which material a voxel has. That its entries are the DAG's voxels is not checked: missing ones have material 0.
+    /// Which material a voxel has. That a table's entries are the voxels is not checked: missing ones
+    /// have material 0.
     pub materials: AnyMaterials<'a>,
     records: &'a [[u32; RECORD]],
     names: Names<'a>,

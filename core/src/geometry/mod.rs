@@ -137,8 +137,8 @@ impl Geometry for Dag<'_> {
     }
 
     fn is_node(&self, node: u32, level: u8) -> bool {
-        let nodes = self.level_start(level)..self.level_start(level + 1);
-        nodes.contains(&(node as usize))
+        level <= self.depth().max(BRICK_LEVEL)
+            && (self.level_start(level)..self.level_start(level + 1)).contains(&(node as usize))
             && match level {
                 BRICK_LEVEL => node.is_multiple_of(2),
                 _ => self.words()[node as usize] & NODE != 0,

@@ -125,7 +125,9 @@ impl Nodes<'_> {
 
     pub fn is_node(&self, node: u32, level: u8) -> bool {
         let word = node as usize;
-        if !(self.level_start(level)..self.level_start(level + 1)).contains(&word) {
+        if level > self.depth().max(BRICK_LEVEL)
+            || !(self.level_start(level)..self.level_start(level + 1)).contains(&word)
+        {
             return false;
         }
         match level {

@@ -37,17 +37,17 @@ pub trait Rank: Copy + Sync {
     fn rank(&self, voxel: Morton) -> Option<u64>;
 }
 
-/// Why words are not the counts of a DAG. Offsets count words from 0.
+/// Why words are not the counts of a geometry. Offsets count words from 0.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum RankError {
-    /// Another number of words than the DAG asks for.
+    /// Another number of words than the geometry asks for.
     Length {
-        /// Words that the DAG asks for.
+        /// Words that the geometry asks for.
         expected: u64,
         /// Words there are.
         found: u64,
     },
-    /// A count is not what the DAG below it holds.
+    /// A count is not what the geometry below it holds.
     Count {
         /// Offset of its low word.
         word: u32,
@@ -58,10 +58,10 @@ impl core::fmt::Display for RankError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             RankError::Length { expected, found } => {
-                write!(f, "there are {found} words of prefix counts: expected {expected} for this DAG")
+                write!(f, "there are {found} words of rank counts: expected {expected} for this geometry")
             }
             RankError::Count { word } => {
-                write!(f, "the prefix count at word {word} is not the number of voxels that the DAG has there")
+                write!(f, "the rank count at word {word} is not the number of voxels that the geometry has there")
             }
         }
     }

@@ -172,7 +172,7 @@ pub struct TopBuf {
 
 #[cfg(feature = "alloc")]
 impl TopBuf {
-    /// Makes the grid of `2^bits` cells a side, or of as many as the DAG can have; `Err` with the number of bytes that
+    /// Makes the grid of `2^bits` cells a side, or of as many as the geometry can have; `Err` with the number of bytes that
     /// could not be had.
     pub fn new<G: Geometry>(geometry: &G, bits: u8) -> Result<TopBuf, usize> {
         let bits = bits.min(Top::most_bits(geometry));

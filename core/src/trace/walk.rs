@@ -1,4 +1,4 @@
-//! The walk of a ray through the DAG, from empty cube to empty cube.
+//! The walk of a ray through the octree, from empty cube to empty cube.
 //!
 //! State: the voxel `p` that the ray is in. Each round finds the largest empty
 //! cube around `p` that the octree knows (the ancestors of the last one are kept, so only what changed is looked up),
