@@ -389,6 +389,24 @@ fn d06_full_and_empty_cubes_of_every_depth() {
 }
 
 #[test]
+fn d06_bricks_outside_the_cube_are_refused() {
+    for (depth, inside, outside) in [(0, 1u64, 2), (0, 1, 1 << 63), (1, 0xff, 1 << 8), (1, 1, 1 << 32), (1, 3, 1 << 63)]
+    {
+        let mut words = VoxelSet::new([[0; 3]]).words(depth);
+        let mut found = |mask: u64| {
+            (words[HEADER], words[HEADER + 1]) = (mask as u32, (mask >> 32) as u32);
+            Dag::new(&words).map(|dag| dag.voxels().count())
+        };
+        assert_eq!(found(inside), Ok(inside.count_ones() as usize));
+        assert_eq!(
+            found(inside | outside),
+            Err(DagError::Brick { word: HEADER as u32 }),
+            "depth {depth}: {outside:#x}"
+        );
+    }
+}
+
+#[test]
 fn d06_what_reaches_outside_the_cube_is_refused() {
     for depth in 0..=5u8 {
         let outside = |code: u64, mask: u64| DagBuilder::new(depth).unwrap().push(Morton(code), mask);
