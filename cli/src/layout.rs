@@ -40,8 +40,9 @@ impl Layout {
             }
             // Per word of the DAG: 12 bytes for the places and counts of its nodes, and at most 12 for its copy.
             GeometryArg::Offsets | GeometryArg::Moxel => 24 * words,
-            // Classes of nodes, with their forms in a hash set, and the words; there are fewer totals than counts.
-            GeometryArg::Ssvdag => 24 * words + counts,
+            // Classes of nodes, with their forms in a hash set, and the words: 6 to 11 bytes a word of the DAG, measured.
+            // There are fewer totals than counts.
+            GeometryArg::Ssvdag => 16 * words + counts,
         })
     }
 
