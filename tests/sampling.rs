@@ -215,7 +215,7 @@ fn adaptive_takes_all_samples_where_the_corners_part() {
                     let way = math::sub(b, a);
                     let height = math::dot(way, n).abs()
                         - 2.0
-                        - f64::from(degrees).to_radians().sin() * math::dot(way, way).sqrt();
+                        - libm::sin(f64::from(degrees).to_radians()) * math::dot(way, way).sqrt();
                     close |= (angle - f64::from(degrees)).abs() < 0.05 || height.abs() < 1e-4;
                     parts |= angle > f64::from(degrees) || height > 0.0 || id != other;
                 }
