@@ -29,6 +29,7 @@ echo "| --- | ---: | ---: |"
 count core::primary::Exact trace rays
 count core::primary::F64 trace rays
 count core::primary_without_top trace rays
+count core::primary_ssvdag trace rays
 count core::shadow occluded hits
 for kind in Face Gradient Plane1 Plane2 Plane3; do count "core::normals::$kind" normals hits; done
 count core::look_up look_up rays look-up

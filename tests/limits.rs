@@ -12,7 +12,10 @@ use voxdag::build::{BuildError, DagBuilder};
 use voxdag::file::{self, LoadError, Parts, WriteError};
 use voxdag::grid::UpAxis;
 
+use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
+use voxdag::ranked::{MoxelsBuf, PackedBuf, PalettesBuf};
 use voxdag::scene::{Build, MaterialMode, Options, SceneError};
+use voxdag::svo::SvoBuf;
 use voxdag::table::{Entry, InsertError, TableBuf};
 use voxdag::trace::TopBuf;
 use voxdag::triangulate::Triangulator;
@@ -182,6 +185,24 @@ fn d01_tables_survive_refusals() {
     assert_eq!((table.as_table().len(), table.as_table().get(Morton(2))), (1, None));
     table.insert(Morton(2), Entry { material: 2, normal: None }).unwrap();
     assert_eq!(table.as_table().get(Morton(2)).map(|entry| entry.material), Some(2));
+}
+
+#[test]
+fn d01_ranks_and_their_arrays_survive_refusals() {
+    let mut builder = DagBuilder::new(9).unwrap();
+    some_bricks(120).try_for_each(|(code, mask)| builder.push(code, mask)).unwrap();
+    let built = builder.finish().unwrap();
+    let dag = built.dag();
+    with_each_refused("Prefix", || Prefix::build(&dag), of_builder);
+    with_each_refused("OffsetsBuf", || OffsetsBuf::build(&dag), of_builder);
+    with_each_refused("MoxelDagBuf", || MoxelDagBuf::build(&dag), of_builder);
+    with_each_refused("SvoBuf", || SvoBuf::build(&dag, 1 << 20), of_builder);
+    let entries = || {
+        dag.voxels().zip(0u64..).map(|(voxel, i)| (voxel, Entry { material: (i * i / 7 % 1500) as u16, normal: None }))
+    };
+    with_each_refused("PackedBuf", || PackedBuf::from_entries(entries()), of_builder);
+    with_each_refused("PalettesBuf", || PalettesBuf::from_entries(entries()), of_builder);
+    with_each_refused("MoxelsBuf", || MoxelsBuf::from_entries(entries(), true), of_builder);
 }
 
 #[test]

@@ -5,11 +5,15 @@ use voxdag::camera::Camera;
 use voxdag::file::{self, Parts};
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::normal::{NormalKind, normal};
+use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
+use voxdag::ranked::{Moxels, MoxelsBuf, Packed, PackedBuf, Palettes, PalettesBuf, Ranked};
 use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
+use voxdag::ssvdag::SsvdagBuf;
+use voxdag::table::Entry;
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
-use voxdag::{Grid, Material, Materials, Mesh};
-use voxdag_oracle::scenes;
+use voxdag::{Dag, Geometry, Grid, Material, Materials, Mesh, Morton, Ssvdag};
+use voxdag_oracle::scenes::{self, Implicit};
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
@@ -24,6 +28,32 @@ fn queries_and_pictures_take_no_heap() {
     for materials in [MaterialMode::TableNormals, MaterialMode::Tree] {
         take_no_heap(&mesh, bounds, grid, materials);
     }
+}
+
+#[test]
+fn ranks_and_materials_by_rank_take_no_heap() {
+    let words = Implicit::Diagonal { lo: 100, hi: 102 }.words(7);
+    let dag = Dag::new(&words).unwrap();
+    let entries = || dag.voxels().map(|v| (v, Entry { material: (v.0 % 5) as u16, normal: None }));
+    let mut lent = vec![0; Prefix::words_for(&dag)];
+    let (offsets, moxels) = (OffsetsBuf::build(&dag).unwrap(), MoxelDagBuf::build(&dag).unwrap());
+    let packed = PackedBuf::from_entries(entries()).unwrap().into_words();
+    let palettes = PalettesBuf::from_entries(entries()).unwrap().into_words();
+    let table = MoxelsBuf::from_entries(entries(), true).unwrap().into_words();
+    let mut voxels = 0;
+    assert_no_alloc(|| {
+        let counts = Prefix::build_into(dag, &mut lent).unwrap().words();
+        let prefix = Prefix::new(dag, counts).unwrap();
+        let ids = Ranked::new(prefix, Packed::new(&packed).unwrap()).unwrap();
+        let blocks = Ranked::new(offsets.as_offsets(), Palettes::new(&palettes).unwrap()).unwrap();
+        let table = Ranked::new(moxels.as_moxel_dag(), Moxels::new(&table).unwrap()).unwrap();
+        for voxel in dag.voxels() {
+            assert_eq!([ids.id(voxel), blocks.id(voxel), table.id(voxel)], [(voxel.0 % 5) as u16; 3]);
+            assert_eq!(table.normal(voxel), None);
+            voxels += 1;
+        }
+    });
+    assert!(voxels > 1000, "{voxels} voxels are too few to say anything");
 }
 
 fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: MaterialMode) {
@@ -82,4 +112,30 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         }
     });
     assert!(hits > 10_000, "{hits} hits are too few to say anything");
+}
+
+#[test]
+fn mirrored_nodes_take_no_heap() {
+    let sphere = scenes::sphere([0.0; 3], 1.0, 3);
+    let mesh = sphere.mesh();
+    let grid = Grid::fit(&mesh.validate().unwrap(), 100).unwrap();
+    let built = Build::new(&mesh, &grid, &Options::default()).unwrap().run().unwrap();
+    let words = SsvdagBuf::build(&built.dag.dag()).unwrap().into_words();
+    let top = TopBuf::new(&Ssvdag::new(&words).unwrap(), 3).unwrap();
+    let mut counts = vec![0; Ssvdag::new(&words).unwrap().stored()];
+    let mut hits = 0;
+
+    assert_no_alloc(|| {
+        let ssvdag = Ssvdag::new(&words).unwrap();
+        assert_eq!(ssvdag.stats_into(&mut counts).unwrap().voxels, ssvdag.voxels().count() as u64);
+        assert!(ssvdag.empty_level(Morton(0)).is_some());
+        let tracer = Tracer::with_top(ssvdag, top.as_top()).unwrap();
+        for i in 0..100 {
+            let aim = f64::from(i);
+            let query = Query::new([-80.0, -60.0, -50.0], [aim + 80.0, aim + 60.0, 110.0 - aim]);
+            hits += u32::from(tracer.trace(Arithmetic::Exact, &query).is_some());
+            assert_eq!(tracer.occluded(Arithmetic::Exact, &query), tracer.hits(&query).next().is_some());
+        }
+    });
+    assert!(hits > 30, "{hits} hits are too few to say anything");
 }

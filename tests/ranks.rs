@@ -53,6 +53,9 @@ fn they_number_random_voxels_in_order() {
         let set = VoxelSet::new((0..voxels).map(|_| core::array::from_fn(|_| random.below(1 << depth) as u32)));
         each_scheme(&built(depth, &set), |scheme, voxels, rank| {
             assert_eq!(voxels, set.codes().len() as u64, "seed {seed}, {scheme}");
+            if voxels == 0 {
+                assert_eq!([0, 1, 64, u64::MAX].map(rank), [None; 4], "seed {seed}, {scheme}: nothing is filled");
+            }
             for (i, &code) in set.codes().iter().enumerate() {
                 assert_eq!(rank(code), Some(i as u64), "seed {seed}, {scheme}, voxel {code}");
                 for empty in [code ^ 1, code ^ 8, code ^ 64, code ^ 1 << 40, code | 1 << 63, u64::MAX - code] {

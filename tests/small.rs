@@ -41,6 +41,15 @@ fn builders() {
 }
 
 #[test]
+fn mirrors() {
+    for seed in 0..2 {
+        let mut rng = Rng::new(seed);
+        let data: Vec<u8> = [3, 0, 0].into_iter().chain((0..12).map(|_| rng.bits() as u8 & !3)).collect();
+        laws::ssvdag(&data);
+    }
+}
+
+#[test]
 fn rays() {
     for (depth, shape) in [
         (3, Implicit::Diagonal { lo: 8, hi: 10 }),
@@ -95,6 +104,25 @@ fn tables() {
             assert_eq!(table.as_table().get(Morton(key)), twin.get(&key).copied());
             assert_eq!(table.as_table().get(Morton(key ^ 1)), twin.get(&(key ^ 1)).copied());
         }
+    }
+}
+
+#[test]
+fn materials() {
+    // Two cubes and a row of different materials in 8^3 voxels; and one changed word of each kind.
+    let cubes = [[1, 0, 0, 0, 5, 0], [1, 4, 4, 0, 6, 0], [32 | 1, 2, 5, 3, 255, 0]];
+    laws::materials(
+        &[&[3, 3, 0, 4, 0, 1, 0, 0, 0, 1, 5, 0, 2, 0, 0, 0, 2, 4, 0, 0, 0, 1, 0], cubes.as_flattened()].concat(),
+    );
+}
+
+#[test]
+fn ranks() {
+    // One cube that holds itself in six of its octants, of depth 21, and one of depth 4.
+    for depth in [21, 4] {
+        laws::ranks(
+            &[&[depth, 0, 0, 0xb7, 0, 0, 0, 0][..], &[0xc3, 0x35, 7, 0x5a, 0xa5, 0x11, 9, 0x20].repeat(4)].concat(),
+        );
     }
 }
 

@@ -237,8 +237,6 @@ fn exercise(words: &[u32]) -> bool {
     let Ok(ssvdag) = Ssvdag::new(words) else { return false };
     assert!(ssvdag.voxels().take(300).all(|voxel| ssvdag.contains(voxel)));
     ssvdag.stats().unwrap();
-    let mut totals = vec![0; ssvdag.stored()];
-    ssvdag.totals_into(&mut totals).unwrap();
     for code in [0, 77, 1 << 20, u64::MAX] {
         ssvdag.empty_level(Morton(code));
     }
@@ -299,6 +297,11 @@ fn errors_name_the_word() {
     }
     assert_eq!(error(&[(18, 8)]), SsvdagError::Pointer { word: 18 }, "a bit behind the last pointer");
     assert_eq!(error(&[(19, 0)]), SsvdagError::Brick { word: 19 });
+    for (depth, outside) in [(0, 1 << 1), (1, 1 << 8)] {
+        assert!(Ssvdag::new(&[depth, 0, 0, 0, 1, 8, 0, 0, 1, 0]).is_ok());
+        let error = Ssvdag::new(&[depth, 0, 0, 0, 1, 8, 0, 0, 1 | outside, 0]).unwrap_err();
+        assert_eq!(error, SsvdagError::Brick { word: 8 }, "a voxel outside the cube of depth {depth}");
+    }
     let length = |expected, found| SsvdagError::Length { expected, found };
     assert_eq!(Ssvdag::new(&words[..20]).unwrap_err(), length(21, 20));
     assert_eq!(Ssvdag::new(&[]).unwrap_err(), length(8, 0));
@@ -325,7 +328,7 @@ fn numbers_of_nodes() {
     for level in (2..=6).rev() {
         assert!(nodes.iter().all(|&node| node < 1 << 31 && ssvdag.is_node(node, level)));
         assert!(!ssvdag.is_node(ssvdag.node_count(level), level) && !ssvdag.is_node(u32::MAX, level));
-        let mut seen: Vec<usize> = nodes.iter().map(|&node| ssvdag.index(node, level)).collect();
+        let mut seen: Vec<u32> = nodes.iter().map(|&node| Ssvdag::number(node)).collect();
         seen.sort();
         seen.dedup();
         assert_eq!(seen.len(), ssvdag.node_count(level) as usize, "every stored node of level {level} is in use");
@@ -349,6 +352,6 @@ fn counts_take_what_they_say() {
     let built = build(&set.words(5));
     let stored = built.ssvdag().stored();
     assert!(built.ssvdag().stats_into(&mut vec![0; stored + 1]).is_none());
-    assert!(built.ssvdag().totals_into(&mut vec![0; stored - 1]).is_none());
+    assert!(built.ssvdag().stats_into(&mut vec![0; stored - 1]).is_none());
     assert!(built.ssvdag().stats_into(&mut vec![7; stored]).is_some());
 }

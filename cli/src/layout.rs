@@ -1,5 +1,7 @@
 //! The voxels of a built scene in the layout that was asked for, and the counts by which ranks are found in it.
 
+use std::sync::Arc;
+
 use voxdag::build::{BuildError, DagBuf};
 use voxdag::geometry::AnyGeometry;
 use voxdag::rank::{AnyRank, MoxelDagBuf, OffsetsBuf, Prefix, Totals};
@@ -10,7 +12,7 @@ use crate::options::GeometryArg;
 
 /// The DAG that everything begins with, and what was made of it.
 pub struct Layout {
-    dag: DagBuf,
+    dag: Arc<DagBuf>,
     other: Option<Other>,
     /// Prefix counts of the DAG or totals of the SSVDAG; empty where nobody asks for ranks, or the layout has its own.
     counts: Vec<u32>,
@@ -26,7 +28,7 @@ enum Other {
 
 impl Layout {
     /// Turns a DAG into the layout, with counts if `ranks` are asked for.
-    pub fn new(dag: DagBuf, kind: GeometryArg, ranks: bool) -> Result<Layout, BuildError> {
+    pub fn new(dag: Arc<DagBuf>, kind: GeometryArg, ranks: bool) -> Result<Layout, BuildError> {
         let plain = dag.dag();
         let other = match kind {
             GeometryArg::Dag => None,

@@ -54,6 +54,7 @@ enum Command {
     Cast(cmd::cast::Args),
     Export(cmd::export::Args),
     Bench(cmd::bench::Args),
+    Thesis(cmd::thesis::Args),
     Selftest(cmd::selftest::Args),
     Completions(cmd::completions::Args),
 }
@@ -70,6 +71,7 @@ fn main() {
         Command::Cast(args) => cmd::cast::run(&args),
         Command::Export(args) => cmd::export::run(&args),
         Command::Bench(args) => cmd::bench::run(&args),
+        Command::Thesis(args) => cmd::thesis::run(&args),
         Command::Selftest(args) => cmd::selftest::run(&args),
         Command::Completions(args) => cmd::completions::run(&args),
     };

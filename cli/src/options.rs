@@ -487,7 +487,8 @@ fn samples(text: &str) -> Result<Samples, String> {
     text.parse().ok().and_then(Samples::new).ok_or_else(|| "expected 1, 4, 5, 16 or 64".to_owned())
 }
 
-fn supersample(text: &str) -> Result<SupersampleArg, String> {
+/// Reads which pixels take all samples.
+pub fn supersample(text: &str) -> Result<SupersampleArg, String> {
     let (name, value) = text.split_once(':').map_or((text, None), |(name, value)| (name, Some(value)));
     let within = |value: Option<&str>, usual: f64, largest: f64| match value.map_or(Ok(usual), number)? {
         x if (0.0..=largest).contains(&x) => Ok(x),

@@ -193,9 +193,21 @@ impl Rays {
 impl Picture {
     /// Encodes the picture as PNG.
     pub fn write_png(&self, file: impl Write) -> std::io::Result<()> {
-        let bytes: Vec<u8> = self.pixels.iter().flat_map(|p| p.to_le_bytes()).collect();
-        image::codecs::png::PngEncoder::new(file)
-            .write_image(&bytes, self.width, self.height, ExtendedColorType::Rgba8)
-            .map_err(std::io::Error::other)
+        png([self.width, self.height], self.pixels.iter(), file)
     }
+
+    /// Encodes the middle of it, half as wide and high.
+    pub fn write_middle_png(&self, file: impl Write) -> std::io::Result<()> {
+        let [width, height] = [self.width.div_ceil(2), self.height.div_ceil(2)];
+        let [x, y] = [(self.width - width) / 2, (self.height - height) / 2];
+        let row = |y: u32| &self.pixels[(y * self.width + x) as usize..][..width as usize];
+        png([width, height], (y..y + height).flat_map(row), file)
+    }
+}
+
+fn png<'a>([width, height]: [u32; 2], pixels: impl Iterator<Item = &'a u32>, file: impl Write) -> std::io::Result<()> {
+    let bytes: Vec<u8> = pixels.flat_map(|p| p.to_le_bytes()).collect();
+    image::codecs::png::PngEncoder::new(file)
+        .write_image(&bytes, width, height, ExtendedColorType::Rgba8)
+        .map_err(std::io::Error::other)
 }

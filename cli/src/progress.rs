@@ -13,9 +13,13 @@ const SHOW_AFTER: Duration = Duration::from_secs(1);
 const ESTIMATE_AFTER: Duration = Duration::from_secs(10);
 const TICK: Duration = Duration::from_millis(100);
 
+/// Whether a stage is under way: those that begin within it stay silent.
+static UNDER_WAY: AtomicBool = AtomicBool::new(false);
+
 /// One stage of the work. The line disappears when it is dropped.
 pub struct Progress {
     bar: ProgressBar,
+    outermost: bool,
     done: Arc<AtomicBool>,
     ticker: Option<JoinHandle<()>>,
 }
@@ -25,11 +29,22 @@ impl Progress {
     pub fn stage(name: &'static str, total: u64) -> Progress {
         let bar = ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::hidden());
         let done = Arc::new(AtomicBool::new(false));
-        let ticker = std::io::stderr().is_terminal().then(|| {
+        let outermost = !UNDER_WAY.swap(true, Ordering::AcqRel);
+        let ticker = (outermost && std::io::stderr().is_terminal()).then(|| {
             let (bar, done) = (bar.clone(), done.clone());
             std::thread::spawn(move || tick(name, total, &bar, &done))
         });
-        Progress { bar, done, ticker }
+        Progress { bar, outermost, done, ticker }
+    }
+
+    /// Says what the work is about right now.
+    pub fn say(&self, what: String) {
+        self.bar.set_message(what);
+    }
+
+    /// Counts several steps.
+    pub fn steps(&self, count: u64) {
+        self.bar.inc(count);
     }
 
     /// Counts one step; any thread may call it.
@@ -46,6 +61,9 @@ impl Drop for Progress {
             let _ = ticker.join();
         }
         self.bar.finish_and_clear();
+        if self.outermost {
+            UNDER_WAY.store(false, Ordering::Release);
+        }
     }
 }
 
@@ -72,9 +90,9 @@ fn tick(name: &str, total: u64, bar: &ProgressBar, done: &AtomicBool) {
 
 fn style(name: &str, total: u64, estimate: &str) -> ProgressStyle {
     let template = if total == 0 {
-        format!("{name} {{spinner}} {{elapsed}}")
+        format!("{name} {{msg}} {{spinner}} {{elapsed}}")
     } else {
-        format!("{name} [{{bar:30}}] {{percent}} %, {{elapsed}}{estimate}")
+        format!("{name} {{msg}} [{{bar:30}}] {{percent}} %, {{elapsed}}{estimate}")
     };
     // A template that indicatif cannot read would only cost the progress line its looks.
     ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> ")

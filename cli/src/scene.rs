@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -272,7 +273,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
         drop(progress);
         let voxel_materials = voxel_materials?;
         let kind = args.geometry.unwrap_or_default();
-        let (layout, laid_out) = stats::timed(|| Layout::new(dag, kind, voxel_materials.needs_rank()));
+        let (layout, laid_out) = stats::timed(|| Layout::new(Arc::new(dag), kind, voxel_materials.needs_rank()));
         let layout = layout?;
         let (materials, names) = match voxel_materials {
             MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),

@@ -12,9 +12,10 @@ use voxdag::build::DagBuf;
 use voxdag::camera::Camera;
 use voxdag::materials::{AnyMaterials, Materials, MaterialsBuf};
 use voxdag::scene::{Build, Built, MaterialMode, Options};
+use voxdag::ssvdag::SsvdagBuf;
 use voxdag::trace::{Arithmetic, Hit, Query, TopBuf, Tracer};
 use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
-use voxdag::{Grid, Mesh, Morton};
+use voxdag::{Geometry, Grid, Mesh, Morton};
 
 fn main() {
     println!("{} rays, {} hits, {} voxels", RAYS, SCENE.hits.len(), SCENE.dag.dag().voxels().count());
@@ -114,7 +115,7 @@ mod kernel {
     use voxdag::normal::{NormalKind, normal};
 
     #[inline(never)]
-    pub fn trace(tracer: &Tracer<'_>, arithmetic: Arithmetic, rays: &[Query]) -> u64 {
+    pub fn trace<G: Geometry>(tracer: &Tracer<'_, G>, arithmetic: Arithmetic, rays: &[Query]) -> u64 {
         rays.iter().map(|q| tracer.trace(arithmetic, q).map_or(1, |hit| hit.voxel.0)).fold(0, u64::wrapping_add)
     }
 
@@ -170,6 +171,19 @@ fn primary(bencher: Bencher<'_, '_>, arithmetic: Arithmetic) {
 fn primary_without_top(bencher: Bencher<'_, '_>) {
     let (tracer, rays) = (Tracer::new(SCENE.dag.dag()), &SCENE.rays);
     bencher.counter(ItemsCount::new(rays.len())).bench(|| kernel::trace(&tracer, Arithmetic::Exact, rays));
+}
+
+#[divan::bench]
+fn primary_ssvdag(bencher: Bencher<'_, '_>) {
+    let built = SsvdagBuf::build(&SCENE.dag.dag()).unwrap();
+    let top = TopBuf::new(&built.ssvdag(), 6).unwrap();
+    let (tracer, rays) = (Tracer::with_top(built.ssvdag(), top.as_top()).unwrap(), &SCENE.rays);
+    bencher.counter(ItemsCount::new(rays.len())).bench(|| kernel::trace(&tracer, Arithmetic::Exact, rays));
+}
+
+#[divan::bench]
+fn merge_mirrors(bencher: Bencher<'_, '_>) {
+    bencher.counter(voxels()).bench(|| SsvdagBuf::build(&SCENE.dag.dag()));
 }
 
 #[divan::bench]

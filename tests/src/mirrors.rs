@@ -18,7 +18,9 @@ pub fn classes(set: &VoxelSet, level: u8) -> usize {
                 let voxel = deinterleave(code & ((1 << shift) - 1));
                 std::array::from_fn(|k| if mirror >> k & 1 != 0 { side - 1 - voxel[k] } else { voxel[k] })
             };
-            piece.iter().map(mirrored).collect::<BTreeSet<[u32; 3]>>()
+            let mut form: Vec<[u32; 3]> = piece.iter().map(mirrored).collect();
+            form.sort_unstable();
+            form
         });
         forms.min().expect("there are eight mirrors")
     };

@@ -81,6 +81,14 @@ impl VoxelSet {
         (all.iter().collect::<BTreeSet<_>>().len(), all.len())
     }
 
+    /// Over the different nodes of a level: how many of their octants hold something.
+    pub fn unique_octants(&self, level: u8) -> u64 {
+        let all = self.subtrees(level);
+        let shift = 3 * (u32::from(level) - 1);
+        let octants = |voxels: &Vec<u64>| voxels.chunk_by(|a, b| a >> shift == b >> shift).count() as u64;
+        all.iter().collect::<BTreeSet<_>>().into_iter().map(octants).sum()
+    }
+
     /// The DAG's words, by the documentation alone. The codes must be below 8^`depth`.
     pub fn words(&self, depth: u8) -> Vec<u32> {
         assert!(self.codes.last().is_none_or(|&c| c >> (3 * depth) == 0), "a voxel outside the cube");

@@ -9,4 +9,5 @@ pub mod export;
 pub mod info;
 pub mod render;
 pub mod selftest;
+pub mod thesis;
 pub mod verify;

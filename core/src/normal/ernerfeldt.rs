@@ -8,8 +8,9 @@
 //!
 //! Columns at right angles have no side to agree on and keep their own, so that what all three axes see adds up towards
 //! (+, +, +): a normal tilts by atan(sqrt 2 (u / v)^3) where voxels vary by u across a plane and by v along it, 4.3
-//! degrees on a wall of two layers (3^3), 3 on a half space, 10 on two parallel sheets (5^3). In `tests/normals.rs` 405 of
-//! 5,960 mirror images have another normal, by up to 86 degrees where no plane is clear. [`super::plane`] has none of this.
+//! degrees on a wall of two layers (3^3), 3 on a half space, 10 on two parallel sheets (5^3). In `tests/normals.rs`
+//! 405 of 5,960 mirror images have another normal, by up to 86 degrees where no plane is clear. [`super::plane`] has
+//! none of this.
 
 use super::plane::{Fit, Scatter};
 use super::window::Moments;

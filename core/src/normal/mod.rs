@@ -39,8 +39,8 @@ pub enum NormalKind {
     Plane2,
     /// The plane through the 7^3 voxels around: about 1 degree off, and wider corners.
     Plane3,
-    /// The thesis's plane through the 3^3 voxels around (section 4.3.2), on the side of the entry face: 4 degrees off on a
-    /// wall two voxels thick, and of a mirror image another one. To compare with.
+    /// The thesis's plane through the 3^3 voxels around (section 4.3.2), on the side of the entry face: 4 degrees off on
+    /// a wall two voxels thick, and of a mirror image another one. To compare with.
     Ernerfeldt1,
     /// The thesis's plane through the 5^3 voxels around: 10 degrees off on two parallel sheets.
     Ernerfeldt2,

@@ -25,6 +25,8 @@ use crate::ssvdag::Ssvdag;
 pub struct Totals<'a> {
     ssvdag: Ssvdag<'a>,
     words: &'a [u32],
+    /// By level from 3 on, where its nodes begin among all.
+    starts: [usize; 22],
     /// Nodes of level 3 and above, and of those up to level 10.
     nodes: usize,
     narrow: usize,
@@ -79,7 +81,11 @@ impl<'a> Totals<'a> {
             return Err(RankError::Length { expected: expected as u64, found: found as u64 });
         }
         let (nodes, narrow) = counts(&ssvdag);
-        Ok(Totals { ssvdag, words, nodes, narrow, voxels: 0 })
+        let mut starts = [0; 22];
+        for level in usize::from(BRICK_LEVEL) + 2..starts.len() {
+            starts[level] = starts[level - 1] + ssvdag.node_count(level as u8 - 1) as usize;
+        }
+        Ok(Totals { ssvdag, words, starts, nodes, narrow, voxels: 0 })
     }
 
     /// The SSVDAG whose voxels are counted.
@@ -95,7 +101,7 @@ impl<'a> Totals<'a> {
     /// Where a node's total stands.
     #[inline]
     fn place(&self, node: u32, level: u8) -> usize {
-        self.ssvdag.index(node, level) - self.ssvdag.node_count(BRICK_LEVEL) as usize
+        self.starts[usize::from(level)] + Ssvdag::number(node) as usize
     }
 
     /// Voxels of a brick or node, as they are counted.

@@ -31,3 +31,28 @@ pub(super) fn set(words: &mut [u32], index: u64, width: u32, value: u32) {
         *word |= part;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn widths_are_those_of_the_largest_number() {
+        assert_eq!([0, 1, 2, 3, 4, 255, 256, 65535].map(width), [0, 1, 2, 2, 3, 8, 9, 16]);
+        assert_eq!((words_for(0, 16), words_for(3, 11), words_for(1 << 63, 0)), (0, 2, 0));
+        assert_eq!((words_for(1 << 60, 16), words_for(1 << 59, 16)), (u64::MAX, 1 << 58));
+    }
+
+    #[cfg(feature = "alloc")]
+    #[test]
+    fn numbers_come_back_across_words() {
+        for width in 1..=16 {
+            let number = |i: u64| (i as u32 * 0x9e37 + 5) & ((1 << width) - 1);
+            let mut words = [0; 40];
+            let count = 1280 / u64::from(width);
+            (0..count).for_each(|i| set(&mut words, i, width, number(i)));
+            assert!((0..count).all(|i| get(&words, i, width) == number(i)), "{width} bits");
+        }
+        assert_eq!((get(&[], 7, 3), get(&[u32::MAX], 1 << 40, 16)), (0, 0));
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! A mirror changes no count: one number a stored node is enough. Counts fit u64: a full cube of depth 21 has 2^63 voxels.
 
-use super::{PLACE, Ssvdag};
+use super::Ssvdag;
 use crate::dag::{BRICK_LEVEL, Stats};
 use crate::geometry::Geometry;
 use crate::morton::BITS;
@@ -13,41 +13,9 @@ impl Ssvdag<'_> {
         self.first(BITS as u8 + 1)
     }
 
-    /// The place of a node of a level (2 for bricks) among all stored ones, from the bricks upwards: below [`Ssvdag::stored`],
-    /// and the same for a node in whatever mirror.
-    #[inline]
-    pub fn index(&self, node: u32, level: u8) -> usize {
-        self.first(level) + (node % (1 << PLACE)) as usize
-    }
-
-    /// The place of the first node of a level.
-    #[inline]
+    /// Stored bricks and nodes below a level: where its own begin among all of them.
     fn first(&self, level: u8) -> usize {
         (BRICK_LEVEL..level).map(|below| self.node_count(below) as usize).sum()
-    }
-
-    /// The children of a stored node, in no particular order.
-    fn children(self, number: u32, level: u8) -> impl Iterator<Item = u32> {
-        (0..8).filter_map(move |octant| self.child(number, level, octant))
-    }
-
-    /// Counts the voxels of every stored brick and node: the base of ranks. `totals` takes one number each, placed by
-    /// [`Ssvdag::index`]; `None` if it is not [`Ssvdag::stored`] long.
-    pub fn totals_into(&self, totals: &mut [u64]) -> Option<()> {
-        if totals.len() != self.stored() {
-            return None;
-        }
-        for brick in 0..self.node_count(BRICK_LEVEL) {
-            totals[brick as usize] = u64::from(self.brick_at(brick).count_ones());
-        }
-        for level in 3..=BITS as u8 {
-            let (below, first) = (self.first(level - 1), self.first(level));
-            for number in 0..self.node_count(level) {
-                let of = |child: u32| totals[below + (child % (1 << PLACE)) as usize];
-                totals[first + number as usize] = self.children(number, level).map(of).sum();
-            }
-        }
-        Some(())
     }
 
     /// Counts voxels and nodes. `scratch` lends one `u64` per stored brick and node; `None` if it is not [`Ssvdag::stored`]
@@ -72,8 +40,9 @@ impl Ssvdag<'_> {
                     stats.voxels += paths * u64::from(self.brick_at(number).count_ones());
                 } else {
                     let below = self.first(level - 1);
-                    self.children(number, level)
-                        .for_each(|child| scratch[below + (child % (1 << PLACE)) as usize] += paths);
+                    for child in (0..8).filter_map(|octant| self.child(number, level, octant)) {
+                        scratch[below + Ssvdag::number(child) as usize] += paths;
+                    }
                 }
             }
         }

@@ -50,13 +50,19 @@ pub struct Ssvdag<'a> {
 }
 
 /// A level's row of the header.
-#[derive(Clone, Copy, PartialEq, Eq, Default)]
 struct Row {
     nodes: u32,
     blocks: u32,
     pointers: u32,
     /// Bits of a pointer without its mirror.
     bits: u32,
+}
+
+impl Row {
+    /// All but the number of nodes, which follows from the numbers of nodes of all levels.
+    fn place(&self) -> [u64; 3] {
+        [self.blocks, self.pointers, self.bits].map(u64::from)
+    }
 }
 
 /// Why words are no SSVDAG. Offsets count words from 0.
@@ -145,9 +151,14 @@ impl<'a> Ssvdag<'a> {
         }
         // The levels lie one after the other, from the root's down to the bricks.
         let mut end = header as u64;
-        for level in (BRICK_LEVEL..=root).rev() {
+        for level in (3..=root).rev() {
             end = dag.check(level, end)?;
         }
+        let bricks = dag.node_count(BRICK_LEVEL);
+        if dag.row(BRICK_LEVEL).place() != [end, 0, 0] {
+            return Err(SsvdagError::Header { word: row_start(BRICK_LEVEL) as u32 + 1 });
+        }
+        end = dag.reaches(end + 2 * u64::from(bricks))?;
         if end != found {
             return Err(SsvdagError::Length { expected: end, found });
         }
@@ -158,7 +169,7 @@ impl<'a> Ssvdag<'a> {
             1 => 0xff,
             _ => u64::MAX,
         };
-        for brick in 0..dag.node_count(BRICK_LEVEL) {
+        for brick in 0..bricks {
             let mask = dag.brick_at(brick);
             if mask == 0 || mask & !inside != 0 {
                 return Err(SsvdagError::Brick { word: dag.row(BRICK_LEVEL).blocks + 2 * brick });
@@ -167,25 +178,21 @@ impl<'a> Ssvdag<'a> {
         Ok(dag)
     }
 
+    /// That there are words up to `end`, which is given back.
+    fn reaches(&self, end: u64) -> Result<u64, SsvdagError> {
+        let found = self.words.len() as u64;
+        if end > found { Err(SsvdagError::Length { expected: end, found }) } else { Ok(end) }
+    }
+
     /// Checks the row, blocks and pointers of a level that begins at word `start`, and says where it ends: the counts are
     /// those of the bits before, and all children exist.
     fn check(&self, level: u8, start: u64) -> Result<u64, SsvdagError> {
-        let row = self.row(level);
-        let is_brick = level == BRICK_LEVEL;
-        let blocks = u64::from(row.nodes.div_ceil(NODES));
-        let below = if is_brick { 0 } else { self.node_count(level - 1) };
-        let pointers = if is_brick { 0 } else { start + BLOCK as u64 * blocks };
-        if [row.blocks, row.pointers, row.bits].map(u64::from) != [start, pointers, bits_of(below).into()] {
+        let (row, below) = (self.row(level), self.node_count(level - 1));
+        let pointers = start + BLOCK as u64 * u64::from(row.nodes.div_ceil(NODES));
+        if row.place() != [start, pointers, bits_of(below).into()] {
             return Err(SsvdagError::Header { word: row_start(level) as u32 + 1 });
         }
-        let enough = |end: u64| {
-            let found = self.words.len() as u64;
-            if end > found { Err(SsvdagError::Length { expected: end, found }) } else { Ok(end) }
-        };
-        if is_brick {
-            return enough(start + 2 * u64::from(row.nodes));
-        }
-        enough(pointers)?;
+        self.reaches(pointers)?;
 
         // Sum up the blocks.
         let (mut old_before, mut new_before) = (0u64, 0u64);
@@ -204,11 +211,11 @@ impl<'a> Ssvdag<'a> {
             return Err(SsvdagError::Header { word: row_start(level - 1) as u32 });
         }
 
-        // Follow the pointers. Behind them there is a brick at least.
+        // Follow the pointers. The bricks are behind them, so that there is always one word more.
         let width = row.bits + 3;
         let bits = old_before * u64::from(width);
-        let end = enough(pointers + bits.div_ceil(32))?;
-        enough(end + 2 * u64::from(below.min(1)))?;
+        let end = pointers + bits.div_ceil(32);
+        self.reaches(end + 2 * u64::from(self.node_count(BRICK_LEVEL)))?;
         let at = |bit: u64| SsvdagError::Pointer { word: (pointers + bit / 32) as u32 };
         for i in 0..old_before {
             if self.pointer(&row, i as u32) % (1 << row.bits) >= below {
@@ -234,6 +241,13 @@ impl<'a> Ssvdag<'a> {
     /// Stored nodes of a level, 3 or more; bricks for 2; otherwise 0.
     pub fn node_count(&self, level: u8) -> u32 {
         if (BRICK_LEVEL..=self.depth.max(BRICK_LEVEL)).contains(&level) { self.row(level).nodes } else { 0 }
+    }
+
+    /// The number of a stored node or brick within its level, below [`Ssvdag::node_count`]: the same in whatever mirror it is
+    /// seen. What is kept for each stored node (rank's totals) is found by it.
+    #[inline]
+    pub fn number(node: u32) -> u32 {
+        node % MOST
     }
 
     /// The header's row of a level from 2 to the root's.
@@ -267,7 +281,7 @@ impl<'a> Ssvdag<'a> {
     }
 }
 
-/// Eight nodes.
+/// Eight nodes: which children they have and which of these are new, bit `8 node + octant`; and the level's counts before.
 struct Block {
     children: u64,
     new: u64,

@@ -7,6 +7,7 @@ mod accuracy;
 mod build;
 mod materials;
 mod normals;
+mod ranks;
 mod rays;
 mod trace;
 
@@ -45,6 +46,8 @@ enum Subject {
     Normals(Run),
     /// Time per look-up of a voxel's material
     Materials(Run),
+    /// Time per rank of a voxel, and per look-up of its material by rank, by scheme
+    Ranks(Run),
     /// Voxels per second, by stage of building a mesh
     Build(Run),
     /// Time and errors of the textbook methods beside the exact ones
@@ -85,6 +88,7 @@ pub fn run(args: &Args) -> Result<()> {
     let (Subject::Trace(run)
     | Subject::Normals(run)
     | Subject::Materials(run)
+    | Subject::Ranks(run)
     | Subject::Build(run)
     | Subject::Accuracy(run)) = &args.subject;
     run.build.check()?;
@@ -93,6 +97,7 @@ pub fn run(args: &Args) -> Result<()> {
         Subject::Trace(_) => input.with_scene(run, |scene| trace::run(run, scene)),
         Subject::Normals(_) => input.with_scene(run, |scene| normals::run(run, scene)),
         Subject::Materials(_) => input.with_scene(run, |scene| materials::run(run, scene)),
+        Subject::Ranks(_) => input.with_scene(run, |scene| ranks::run(run, scene)),
         Subject::Build(_) => build::run(run, input.mesh(&run.input)?),
         Subject::Accuracy(_) => input.with_scene(run, |scene| accuracy::run(run, scene, input.mesh(&run.input).ok())),
     })

@@ -67,8 +67,13 @@ impl Table {
                 seen
             },
         );
-        let columns: Vec<_> = resolutions.iter().map(|n| if *n == 0 { self.unit.to_owned() } else { format!("{n}^3") }).collect();
-        text += &format!("| scene | configuration | {} |\n| --- | --- |{}\n", columns.join(" | "), " ---: |".repeat(columns.len()));
+        let columns: Vec<_> =
+            resolutions.iter().map(|n| if *n == 0 { self.unit.to_owned() } else { format!("{n}^3") }).collect();
+        text += &format!(
+            "| scene | configuration | {} |\n| --- | --- |{}\n",
+            columns.join(" | "),
+            " ---: |".repeat(columns.len())
+        );
         let mut last = "";
         for row in &self.rows {
             let cells = resolutions.iter().map(|n| match row.cells.iter().find(|cell| cell.resolution == *n) {
@@ -76,7 +81,12 @@ impl Table {
                 None => String::new(),
             });
             let scene = if row.scene == last { "" } else { &row.scene };
-            text += &format!("| {} | {} | {} |\n", escaped(scene), row.configuration, cells.collect::<Vec<_>>().join(" | "));
+            text += &format!(
+                "| {} | {} | {} |\n",
+                escaped(scene),
+                row.configuration,
+                cells.collect::<Vec<_>>().join(" | ")
+            );
             last = &row.scene;
         }
         if !self.note.is_empty() {
@@ -114,7 +124,7 @@ impl Table {
 }
 
 /// Names come from files: nothing in them may end a cell.
-fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect::<String>().replace('|', "\\|")
 }
 

@@ -1,0 +1,480 @@
+//! One scene at one resolution: everything is built from the same voxels and drawn in every configuration, and the numbers
+//! go into the tables. The runs of all configurations take turns, so that a machine that slows down slows all of them.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::time::Duration;
+
+use voxdag::materials::{Materials, MaterialsBuf};
+use voxdag::rank::MoxelDagBuf;
+use voxdag::render::Samples;
+use voxdag::scene::MaterialMode;
+use voxdag::trace::{Arithmetic, Query, Tracer};
+use voxdag::{Dag, Material, Morton, Rank, thesis};
+
+use super::published::Published;
+use super::report::{Agreement, Report};
+use super::table::Cell;
+use crate::error::{Error, Kind, Result};
+use crate::layout::Layout;
+use crate::measure::{Arm, measure};
+use crate::memory::Memory;
+use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs, SupersampleArg, supersample};
+use crate::picture::{self, Picture, Shown};
+use crate::scene::{self, Source, Voxels};
+use crate::stats;
+
+/// What is measured.
+pub struct Subject<'a> {
+    pub name: &'a str,
+    pub source: &'a Source,
+    pub published: Option<&'static Published>,
+    pub resolution: u32,
+    pub runs: u32,
+}
+
+/// Layouts by what the tables call them.
+const LAYOUTS: [(&str, GeometryArg); 5] = [
+    ("sparse voxel DAG", GeometryArg::Dag),
+    ("SSVDAG, packed", GeometryArg::Ssvdag),
+    ("octree with pointers", GeometryArg::Svo),
+    ("DAG with offsets in its pointers", GeometryArg::Offsets),
+    ("moxel DAG", GeometryArg::Moxel),
+];
+const DAG: usize = 0;
+const MOXEL_DAG: usize = 4;
+
+/// Representations of materials by what the tables call them.
+const MATERIALS: [(&str, MaterialMode); 7] = [
+    ("material tree", MaterialMode::Tree),
+    ("hash table", MaterialMode::Table),
+    ("hash table with normals", MaterialMode::TableNormals),
+    ("ids by rank, packed", MaterialMode::Ranked),
+    ("palette blocks by rank", MaterialMode::Palettes),
+    ("moxel table", MaterialMode::Moxels),
+    ("moxel table with normals", MaterialMode::MoxelsNormals),
+];
+const TREE: usize = 0;
+const TABLE: usize = 1;
+const TABLE_NORMALS: usize = 2;
+const MOXELS_NORMALS: usize = 6;
+
+/// Everything that is made of a scene's voxels.
+struct Kept {
+    layouts: Vec<Layout>,
+    materials: Vec<MaterialsBuf>,
+    grid: voxdag::Grid,
+    bounds: voxdag::grid::Bounds,
+}
+
+/// Times of the stages of building, in ms.
+#[derive(Default)]
+struct Stages {
+    voxelize: Vec<f64>,
+    dag: Vec<f64>,
+    table: Vec<f64>,
+    moxel_dag: Vec<f64>,
+    moxel_table: Vec<f64>,
+    tree: Vec<f64>,
+    ssvdag: Vec<f64>,
+}
+
+fn ms(time: Duration) -> f64 {
+    stats::ms(time)
+}
+
+/// Measures, and gives the pictures of all configurations by name.
+pub fn run(
+    subject: &Subject<'_>,
+    report: &mut Report,
+    view: &dyn Fn(&Shown<'_>) -> PictureArgs,
+    memory: &Memory,
+) -> Result<Vec<(&'static str, Picture)>> {
+    let kept = build(subject, report, memory)?;
+    let palette: Vec<Material> = subject.source.model.materials.iter().map(|m| m.material).collect();
+    let shown = |layout: usize, materials: usize| -> Result<Shown<'_>> {
+        let layout = &kept.layouts[layout];
+        let materials = kept.materials[materials].as_materials(layout.rank()).map_err(defect)?;
+        Ok(Shown {
+            grid: kept.grid,
+            bounds: kept.bounds,
+            up: voxdag::grid::UpAxis::Y,
+            geometry: layout.geometry(),
+            materials,
+            palette: palette.clone(),
+        })
+    };
+    let args = view(&shown(DAG, TREE)?);
+    sizes(subject, report, &kept)?;
+    look_ups(subject, report, &kept, &shown(DAG, TREE)?, &args)?;
+    agree(subject, report, &shown, &args, memory)?;
+    draw(subject, report, &shown, &args, memory)
+}
+
+fn defect(error: impl std::fmt::Display) -> Error {
+    Error::new(Kind::Failure, format_args!("{error}: this is a defect of voxdag"))
+}
+
+/// Builds everything as often as asked for, and keeps what the last run made.
+fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<Kept> {
+    let args = BuildArgs { resolution: Some(subject.resolution), ..BuildArgs::default() };
+    let mut stages = Stages::default();
+    let mut kept = None;
+    for run in 0..subject.runs {
+        let last = run + 1 == subject.runs;
+        kept = scene::voxelize(subject.source, &args, MaterialMode::TableNormals, memory, |voxels| {
+            let Voxels { grid, bounds, dag, pending, voxelize, reduce } = voxels;
+            stages.voxelize.push(ms(voxelize));
+            stages.dag.push(ms(reduce));
+            let timed = |times: &mut Vec<f64>, mode| {
+                let (made, time) = stats::timed(|| scene::voxel_materials(&pending, dag.dag(), mode));
+                times.push(ms(time));
+                made
+            };
+            let table = timed(&mut stages.table, MaterialMode::TableNormals)?;
+            let moxels = timed(&mut stages.moxel_table, MaterialMode::MoxelsNormals)?;
+            let tree = timed(&mut stages.tree, MaterialMode::Tree)?;
+            let (moxel_dag, time) = stats::timed(|| MoxelDagBuf::build(&dag.dag()));
+            moxel_dag?;
+            stages.moxel_dag.push(ms(time) + ms(reduce));
+            let dag = Arc::new(dag);
+            let (ssvdag, time) = stats::timed(|| Layout::new(dag.clone(), GeometryArg::Ssvdag, true));
+            stages.ssvdag.push(ms(time));
+            if !last {
+                return Ok(None);
+            }
+            let mut materials = vec![tree];
+            for (_, mode) in &MATERIALS[1..] {
+                let made = match mode {
+                    MaterialMode::TableNormals | MaterialMode::MoxelsNormals => continue,
+                    mode => scene::voxel_materials(&pending, dag.dag(), *mode)?,
+                };
+                materials.push(made);
+            }
+            materials.insert(TABLE_NORMALS, table);
+            materials.insert(MOXELS_NORMALS, moxels);
+            let mut layouts = Vec::new();
+            for (_, kind) in &LAYOUTS {
+                if *kind != GeometryArg::Ssvdag {
+                    layouts.push(Layout::new(dag.clone(), *kind, true)?);
+                }
+            }
+            layouts.insert(1, ssvdag?);
+            Ok(Some(Kept { layouts, materials, grid, bounds }))
+        })?;
+    }
+
+    let n = subject.resolution;
+    let published = |row: fn(&Published) -> &[u32; 3]| subject.published(row);
+    let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<_>>();
+    let mut put = |number, configuration, runs: &[f64], published| {
+        report.put(number, subject.name, configuration, Cell::of_runs(n, runs, published));
+    };
+    put(
+        "5.3",
+        "voxelization + hash table",
+        &sum(&stages.voxelize, &stages.table),
+        published(|p| &p.voxelization_and_hash_table),
+    );
+    put("5.3", "DAG", &stages.dag, published(|p| &p.dag_construction));
+    put("5.4", "voxelization", &stages.voxelize, published(|p| &p.moxel_voxelization));
+    put("5.4", "moxel DAG", &stages.moxel_dag, published(|p| &p.moxel_dag_construction));
+    put("5.4", "moxel table", &stages.moxel_table, published(|p| &p.moxel_table_construction));
+    put("5.10", "voxelization + material tree", &sum(&stages.voxelize, &stages.tree), None);
+    put("5.10", "SSVDAG from the DAG", &stages.ssvdag, None);
+    kept.ok_or_else(|| Error::usage("--runs 0: expected 1 or more"))
+}
+
+impl Subject<'_> {
+    /// The thesis's figure at this resolution.
+    fn published(&self, row: fn(&Published) -> &[u32; 3]) -> Option<u32> {
+        let at = super::published::RESOLUTIONS.iter().position(|n| *n == self.resolution)?;
+        Some(row(self.published?)[at])
+    }
+}
+
+/// Tables of memory.
+fn sizes(subject: &Subject<'_>, report: &mut Report, kept: &Kept) -> Result<()> {
+    let n = subject.resolution;
+    let dag: Dag<'_> = kept.layouts[DAG].geometry().as_dag().ok_or_else(|| defect("no DAG"))?;
+    let voxels = scene::count(dag.into())?.voxels;
+    let mut put = |number, configuration, value: f64, published| {
+        report.put(number, subject.name, configuration, Cell::exact(n, value, published));
+    };
+    let kb = |bytes: u64| bytes as f64 / 1024.0;
+    let mb = |bytes: u64| bytes as f64 / (1024.0 * 1024.0);
+    let bits = |bytes: u64| 8.0 * bytes as f64 / voxels.max(1) as f64;
+
+    put("5.12", "filled voxels", voxels as f64, None);
+    // By the thesis's accounting.
+    put("5.2a", "sparse voxel DAG", kb(thesis::svdag_bytes(&dag)), subject.published(|p| &p.dag));
+    put(
+        "5.2a",
+        "moxel DAG, as Williams quotes it",
+        kb(thesis::moxel_dag_bytes_quoted(&dag)),
+        subject.published(|p| &p.moxel_dag),
+    );
+    put("5.2a", "moxel DAG, done right", kb(thesis::moxel_dag_bytes(&dag)), None);
+    put("5.2b", "hash table", mb(thesis::hash_table_bytes(voxels, true)), subject.published(|p| &p.hash_table));
+    put("5.2b", "moxel table", mb(thesis::moxel_table_bytes(voxels, true)), subject.published(|p| &p.moxel_table));
+    let without = thesis::hash_table_bytes(voxels, false);
+    put("5.6", "hash table without normals", mb(without), subject.published(|p| &p.hash_table_without_normals));
+
+    // As this program holds them.
+    put("5.9a", "octree without pointers, 1 byte a node", kb(thesis::svo_bytes_without_pointers(&dag)), None);
+    put("5.9b", "octree without pointers, 1 byte a node", bits(thesis::svo_bytes_without_pointers(&dag)), None);
+    for ((name, _), layout) in LAYOUTS.iter().zip(&kept.layouts) {
+        let bytes = 4 * layout.geometry().words().len() as u64;
+        put("5.9a", name, kb(bytes), None);
+        put("5.9b", name, bits(bytes), None);
+    }
+    let rank = kept.layouts[DAG].rank();
+    let counts = rank.and_then(|rank| rank.words()).map_or(0, |words| 4 * words.len() as u64);
+    put("5.9a", "prefix counts beside the DAG", kb(counts), None);
+    put("5.9b", "prefix counts beside the DAG", bits(counts), None);
+    for ((name, _), materials) in MATERIALS.iter().zip(&kept.materials) {
+        let bytes = 4 * materials.as_materials(rank).map_err(defect)?.words().len() as u64;
+        put("5.9a", name, kb(bytes), None);
+        put("5.9b", name, bits(bytes), None);
+    }
+    Ok(())
+}
+
+/// Times of look-ups and ranks at what a picture shows.
+fn look_ups(
+    subject: &Subject<'_>,
+    report: &mut Report,
+    kept: &Kept,
+    shown: &Shown<'_>,
+    args: &PictureArgs,
+) -> Result<()> {
+    let voxels = hits(shown, args)?;
+    if voxels.is_empty() {
+        return Ok(());
+    }
+    let n = subject.resolution;
+    let runs = subject.runs.max(3);
+    let ns = |times: &crate::measure::Times| {
+        let spread = times.ns(voxels.len());
+        Cell { resolution: n, value: spread.median, min: spread.min, max: spread.max, published: None }
+    };
+    let mut views = Vec::new();
+    for materials in &kept.materials {
+        views.push(materials.as_materials(kept.layouts[DAG].rank()).map_err(defect)?);
+    }
+    let arms: [Arm<'_>; MATERIALS.len()] = core::array::from_fn(|i| {
+        let materials = views[i];
+        Arm::each(&voxels, move |voxel| u64::from(materials.id(*voxel)))
+    });
+    for ((name, _), times) in MATERIALS.iter().zip(&measure(runs, arms)?) {
+        report.put("5.11", subject.name, name, ns(times));
+    }
+    let ranks = [
+        ("rank by prefix counts", 0),
+        ("rank by totals of the SSVDAG", 1),
+        ("rank by offsets in pointers", 3),
+        ("rank by empty counts (moxel DAG)", MOXEL_DAG),
+    ];
+    let arms = ranks.map(|(_, layout)| {
+        let rank = kept.layouts[layout].rank();
+        Arm::each(&voxels, move |voxel| rank.and_then(|rank| rank.rank(*voxel)).unwrap_or(0))
+    });
+    for ((name, _), times) in ranks.iter().zip(&measure(runs, arms)?) {
+        report.put("5.11", subject.name, name, ns(times));
+    }
+    Ok(())
+}
+
+/// The voxels that the middles of the pixels show, row by row.
+fn hits(shown: &Shown<'_>, args: &PictureArgs) -> Result<Vec<Morton>> {
+    let camera = picture::camera(shown, &args.camera)?;
+    let top = scene::top_grid(shown.geometry)?;
+    let tracer = Tracer::with_top(shown.geometry, top.as_top()).unwrap_or(Tracer::new(shown.geometry));
+    let [width, height] = args.size;
+    let rays = camera.rays(width, height).map_err(Error::usage)?;
+    let eye = shown.grid.to_grid(camera.eye);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [f64::from(x) + 0.5, f64::from(y) + 0.5]));
+    let queries = pixels.map(|[x, y]| Query::new(eye, rays.direction(x, y)));
+    Ok(queries.filter_map(|query| tracer.trace(Arithmetic::Exact, &query)).map(|hit| hit.voxel).collect())
+}
+
+/// Equal data must give equal pictures, bit for bit, through every layout and representation.
+fn agree<'a>(
+    subject: &Subject<'_>,
+    report: &mut Report,
+    shown: &dyn Fn(usize, usize) -> Result<Shown<'a>>,
+    args: &PictureArgs,
+    memory: &Memory,
+) -> Result<()> {
+    let draw = |layout, materials, normals| -> Result<Vec<u32>> {
+        let args = PictureArgs { normals, samples: Some(Samples::One), ..args.clone() };
+        Ok(picture::draw(&shown(layout, materials)?, &args, false, memory)?.pixels)
+    };
+    let (mut combinations, mut calculated, mut stored) = (0, BTreeSet::new(), BTreeSet::new());
+    for layout in 0..LAYOUTS.len() {
+        for materials in 0..MATERIALS.len() {
+            calculated.insert(draw(layout, materials, NormalsArg::Plane2)?);
+            combinations += 1;
+        }
+        for materials in [TABLE_NORMALS, MOXELS_NORMALS] {
+            stored.insert(draw(layout, materials, NormalsArg::Stored)?);
+            combinations += 1;
+        }
+    }
+    let agreement = Agreement {
+        scene: subject.name.to_owned(),
+        resolution: subject.resolution,
+        combinations,
+        equal: calculated.len() == 1 && stored.len() == 1,
+    };
+    report.agreements.push(agreement);
+    Ok(())
+}
+
+/// A way to draw the scene.
+struct Configuration {
+    /// In file names.
+    name: &'static str,
+    layout: usize,
+    materials: usize,
+    normals: NormalsArg,
+    samples: Samples,
+    supersample: Option<SupersampleArg>,
+    /// Whether it is timed, or only looked at.
+    timed: Option<(&'static str, &'static str)>,
+}
+
+/// Draws every configuration in turns, and puts the times into the tables.
+fn draw<'a>(
+    subject: &Subject<'_>,
+    report: &mut Report,
+    shown: &dyn Fn(usize, usize) -> Result<Shown<'a>>,
+    args: &PictureArgs,
+    memory: &Memory,
+) -> Result<Vec<(&'static str, Picture)>> {
+    let plain = Configuration {
+        name: "",
+        layout: DAG,
+        materials: TABLE,
+        normals: NormalsArg::Ernerfeldt2,
+        samples: Samples::Five,
+        supersample: None,
+        timed: None,
+    };
+    let near = supersample("near").ok();
+    let adaptive = supersample("adaptive").ok();
+    let configurations = [
+        Configuration {
+            name: "stored-normals",
+            materials: TABLE_NORMALS,
+            normals: NormalsArg::Stored,
+            timed: Some(("5.5", "sparse voxel DAG, hash table")),
+            ..plain
+        },
+        Configuration {
+            name: "moxel",
+            layout: MOXEL_DAG,
+            materials: MOXELS_NORMALS,
+            normals: NormalsArg::Stored,
+            timed: Some(("5.5", "moxel DAG, moxel table")),
+            ..plain
+        },
+        Configuration {
+            name: "calculated-normals",
+            timed: Some(("5.7", "calculated normals, as the thesis has them")),
+            ..plain
+        },
+        Configuration {
+            name: "plane2",
+            normals: NormalsArg::Plane2,
+            timed: Some(("5.7", "calculated normals, guarded (plane2)")),
+            ..plain
+        },
+        Configuration {
+            name: "default",
+            materials: TREE,
+            normals: NormalsArg::Plane2,
+            timed: Some(("5.7", "the same with the material tree")),
+            ..plain
+        },
+        Configuration {
+            name: "ssvdag",
+            layout: 1,
+            materials: TREE,
+            normals: NormalsArg::Plane2,
+            timed: Some(("5.7", "the same on the SSVDAG")),
+            ..plain
+        },
+        Configuration { name: "1-sample", samples: Samples::One, timed: Some(("5.8", "1 sample")), ..plain },
+        Configuration { name: "16-samples", samples: Samples::Sixteen, timed: Some(("5.8", "16 samples")), ..plain },
+        Configuration {
+            name: "near",
+            samples: Samples::Sixteen,
+            supersample: near,
+            timed: Some(("5.8", "16 samples on the nearer half")),
+            ..plain
+        },
+        Configuration {
+            name: "adaptive",
+            samples: Samples::Sixteen,
+            supersample: adaptive,
+            timed: Some(("5.8", "16 samples, adaptive")),
+            ..plain
+        },
+        Configuration { name: "radius-1", normals: NormalsArg::Ernerfeldt1, samples: Samples::One, ..plain },
+        Configuration {
+            name: "triangle-normals",
+            materials: TABLE_NORMALS,
+            normals: NormalsArg::Stored,
+            samples: Samples::One,
+            ..plain
+        },
+    ];
+    let one = |configuration: &Configuration, mark| {
+        let Configuration { layout, materials, normals, samples, supersample, .. } = *configuration;
+        let args = PictureArgs { normals, samples: Some(samples), supersample, ..args.clone() };
+        picture::draw(&shown(layout, materials)?, &args, mark, memory)
+    };
+
+    let mut times = vec![Vec::new(); configurations.len()];
+    let mut pictures = Vec::new();
+    for run in 0..subject.runs as usize {
+        for i in 0..configurations.len() {
+            let i = (run + i) % configurations.len();
+            let configuration = &configurations[i];
+            if configuration.timed.is_none() && run > 0 {
+                continue;
+            }
+            let picture = one(configuration, false)?;
+            times[i].push(ms(picture.trace));
+            if run == 0 {
+                pictures.push((configuration.name, picture));
+            }
+        }
+    }
+    pictures.push(("near-in-red", one(&configurations[8], true)?));
+    pictures.push(("adaptive-in-red", one(&configurations[9], true)?));
+
+    let published = |configuration: &Configuration| match configuration.name {
+        "stored-normals" => subject.published(|p| &p.render_dag),
+        "moxel" => subject.published(|p| &p.render_moxel),
+        "calculated-normals" => subject.published(|p| &p.render_calculated),
+        "1-sample" => subject.published(|p| &p.samples_1),
+        "16-samples" => subject.published(|p| &p.samples_16),
+        "near" => subject.published(|p| &p.samples_near),
+        _ => None,
+    };
+    let all = pictures.iter().find(|(name, _)| *name == "16-samples").map_or(1, |(_, all)| all.rays.primary);
+    for (configuration, runs) in configurations.iter().zip(&times) {
+        let Some((number, label)) = configuration.timed else { continue };
+        let cell = Cell::of_runs(subject.resolution, runs, published(configuration));
+        report.put(number, subject.name, label, cell);
+        if let (Some(_), Some((_, picture))) =
+            (configuration.supersample, pictures.iter().find(|(name, _)| *name == configuration.name))
+        {
+            let share = 100.0 * picture.rays.primary as f64 / all as f64;
+            report.put("5.8b", subject.name, label, Cell::exact(subject.resolution, share, None));
+        }
+    }
+    Ok(pictures)
+}
