@@ -2,17 +2,23 @@
 //! and whatever words are read either are refused or make a scene that is safe to use.
 
 use voxdag::Geometry;
+use voxdag::build::DagBuilder;
 use voxdag::dag::{Dag, DagError};
 use voxdag::file::{self, LoadError, Parts, Scene, Section, WriteError};
+use voxdag::geometry::AnyGeometry;
 use voxdag::grid::UpAxis;
 use voxdag::grid::{Bounds, Grid};
 use voxdag::materials::{AnyMaterials, Materials, Single};
+use voxdag::rank::{AnyRank, Prefix, Totals};
+use voxdag::ranked::{PackedBuf, Ranked};
+use voxdag::ssvdag::SsvdagBuf;
 use voxdag::table::{Entry, Table, TableBuf};
 use voxdag::tree::{TreeBuf, TreeBuilder};
 use voxdag::{Material, Morton};
 
 const FIXTURE: &[u8] = include_bytes!("fixtures/v1.vxd");
 const FIXTURE_2: &[u8] = include_bytes!("fixtures/v2.vxd");
+const FIXTURE_3: &[u8] = include_bytes!("fixtures/v3.vxd");
 const FORMAT: &str = include_str!("../docs/format.md");
 const VOXELS: [[u32; 3]; 3] = [[0, 0, 0], [1, 0, 0], [3, 3, 3]];
 const NAMES: [&str; 2] = ["red", "w\u{00e4}nde"];
@@ -129,6 +135,45 @@ fn tree() -> TreeBuf {
     builder.finish().unwrap()
 }
 
+/// Some voxels of a cube of depth 5, as an SSVDAG with ids by rank, which take version 3.
+fn scattered() -> Vec<u32> {
+    let codes: Vec<u64> = (0..1 << 15).step_by(97).collect();
+    let [_, ssvdag] = ranked(5, &codes);
+    ssvdag
+}
+
+/// The material of a voxel in [`ranked`] scenes.
+fn id_of(code: u64) -> u16 {
+    u16::from(code % 7 > 2)
+}
+
+/// Files of the voxels with ids by rank, as a DAG and as an SSVDAG.
+fn ranked(depth: u8, codes: &[u64]) -> [Vec<u32>; 2] {
+    let mut builder = DagBuilder::new(depth).unwrap();
+    for brick in codes.chunk_by(|a, b| a >> 6 == b >> 6) {
+        builder.push(Morton(brick[0] & !63), brick.iter().map(|code| 1 << (code & 63)).sum()).unwrap();
+    }
+    let dag = builder.finish().unwrap();
+    let ssvdag = SsvdagBuf::build(&dag.dag()).unwrap();
+    let entries = codes.iter().map(|&code| (Morton(code), Entry { material: id_of(code), normal: None }));
+    let ids = PackedBuf::from_entries(entries).unwrap();
+    let (prefix, totals) = (Prefix::build(&dag.dag()).unwrap(), Totals::build(&ssvdag.ssvdag()).unwrap());
+    let layouts = [
+        (dag.dag().into(), AnyRank::Prefix(Prefix::new(dag.dag(), &prefix).unwrap())),
+        (AnyGeometry::Ssvdag(ssvdag.ssvdag()), AnyRank::Totals(Totals::new(ssvdag.ssvdag(), &totals).unwrap())),
+    ];
+    let all = materials();
+    let made = layouts.map(|(geometry, rank)| {
+        let voxel_materials = AnyMaterials::Ranked(Ranked::new(rank, ids.as_packed()).unwrap());
+        let grid = Grid { origin: [0.0; 3], voxel_size: 1.0, resolution: 1 << depth };
+        Parts { grid, geometry, voxel_materials, ..parts(dag.words(), None, &all) }
+    });
+    // Ranks of one layout are none of the other's.
+    let mixed = Parts { geometry: made[1].geometry, ..made[0] };
+    assert_eq!(mixed.to_vec(), Err(WriteError::Representation));
+    made.map(|parts| parts.to_vec().unwrap())
+}
+
 /// To make the fixtures again after a new version: `VOXDAG_BLESS=1 cargo test -p voxdag-oracle --test file`, into a file
 /// of a new name. The one of version 1 must never change.
 #[test]
@@ -138,6 +183,8 @@ fn version_1_loads_for_ever() {
         std::fs::write(path, bytes(&tiny())).unwrap();
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/new_2.vxd");
         std::fs::write(path, bytes(&tiny_2(&tree()))).unwrap();
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/new_3.vxd");
+        std::fs::write(path, bytes(&scattered())).unwrap();
     }
     let words = file::words_from_bytes(FIXTURE).unwrap();
     assert_tiny(&file::read(&words).unwrap());
@@ -158,6 +205,51 @@ fn version_2_loads_for_ever() {
     older[1] = 1;
     mend(&mut older);
     assert!(matches!(file::read(&older).unwrap().materials, AnyMaterials::Single(Single(0))));
+}
+
+/// The scene's voxels with their materials are what they were made of.
+fn assert_ranked(words: &[u32], codes: &[u64]) {
+    let scene = file::read(words).unwrap();
+    let found: Vec<_> = scene.geometry.voxels().map(|voxel| (voxel.0, scene.materials.id(voxel))).collect();
+    let expected: Vec<_> = codes.iter().map(|&code| (code, id_of(code))).collect();
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn version_3_loads_for_ever() {
+    let words = file::words_from_bytes(FIXTURE_3).unwrap();
+    assert_ranked(&words, &(0..1 << 15).step_by(97).collect::<Vec<_>>());
+    assert_eq!(
+        bytes(&scattered()),
+        FIXTURE_3,
+        "the writer changed its words: that takes a new version and a new fixture"
+    );
+    // To a reader of version 2 there is no geometry in it.
+    let mut older = words;
+    older[1] = 2;
+    mend(&mut older);
+    assert_eq!(file::read(&older).unwrap_err(), LoadError::Missing { section: Section::Dag });
+}
+
+/// Ids by rank over both layouts, as deep as counts of two words: what is written is read, and no count can be wrong.
+#[test]
+fn ranked_ids_are_read_back() {
+    for depth in [0, 2, 5, 11, 21] {
+        let last = (1u64 << (3 * u32::from(depth))) - 1;
+        let codes = [0, 1, 9, last / 3, last / 2, last - last.min(1), last].map(|code| code & last);
+        let codes: Vec<u64> = std::collections::BTreeSet::from(codes).into_iter().collect();
+        for words in ranked(depth, &codes) {
+            assert_ranked(&words, &codes);
+            let counts = (32..).step_by(6).find(|&row| words[row] == 7).unwrap();
+            let (first, length) = (words[counts + 2] as usize, words[counts + 4] as usize);
+            for at in first..first + length {
+                let mut damaged = words.clone();
+                damaged[at] ^= 1;
+                mend(&mut damaged);
+                assert!(matches!(file::read(&damaged), Err(LoadError::Ranks(_))), "depth {depth}, word {at}");
+            }
+        }
+    }
 }
 
 #[test]

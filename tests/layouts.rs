@@ -1,4 +1,5 @@
-//! Every layout of the same voxels answers rays, normals and walks alike, bit for bit, with its own top grid and without.
+//! Every layout of the same voxels answers rays, normals and walks alike, bit for bit, with its own top grid and
+//! without.
 
 use voxdag::build::{BuildError, DagBuilder};
 use voxdag::materials::Single;

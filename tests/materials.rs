@@ -1,5 +1,5 @@
-//! Materials by rank: known sizes and answers, what is refused, and the thesis's accounting; that all representations agree
-//! is the law `materials`.
+//! Materials by rank: known sizes and answers, what is refused, and the thesis's accounting; that all representations
+//! agree is the law `materials`.
 
 use voxdag::build::{BuildError, DagBuf, DagBuilder};
 use voxdag::rank::Prefix;

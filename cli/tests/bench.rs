@@ -95,6 +95,30 @@ fn materials_of_every_kind() {
 }
 
 #[test]
+fn ranks_by_every_scheme() {
+    let s = Sandbox::new();
+    let json = s.ok(&format!("bench ranks box.obj -r 64 {SMALL}")).json();
+    let rows = json["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 7);
+    for row in rows {
+        positive(row, "bytes hits.ns scattered.ns");
+        let bits = 8.0 * number(row, "bytes") / number(&json, "voxels");
+        assert!((number(row, "bits_per_voxel") - bits).abs() < 1e-9, "{row:#}");
+    }
+    // The sums of all ranks, and of all materials, do not depend on the scheme.
+    for sums in [&rows[..3], &rows[3..]] {
+        for row in sums {
+            assert_eq!(row["hits"]["checksum"], sums[0]["hits"]["checksum"], "{row:#}");
+            assert_eq!(row["scattered"]["checksum"], sums[0]["scattered"]["checksum"], "{row:#}");
+        }
+    }
+    // The octahedral normals of a moxel table double it.
+    let with = s.ok(&format!("bench ranks box.obj -r 64 --materials table-normals {SMALL}")).json();
+    let words = |json: &Value| number(&json["rows"][5], "bytes") / 4.0 - 4.0;
+    assert_eq!(words(&with), 2.0 * words(&json));
+}
+
+#[test]
 fn build_by_stage() {
     let s = Sandbox::new();
     let json = s.ok("bench build box.obj -r 100 --repeat 1 --json").json();

@@ -1,9 +1,10 @@
-//! The sparse voxel octree without sharing: child masks and pointers to contiguous children (Laine and Karras 2010; Pineda
-//! 2021, section 3.1.1). What DAGs are measured against.
+//! The sparse voxel octree without sharing: child masks and pointers to contiguous children (Laine and Karras 2010;
+//! Pineda 2021, section 3.1.1). What DAGs are measured against.
 //!
-//! In: a DAG, and a limit. Out: a geometry of the same voxels in which every cube has a node of its own, in Morton order
-//! level by level. As all nodes and bricks take two words, a child is found by counting the filled octants before it.
-//! Differs from the source: no contours, one width of pointers, and bricks of 4^3 voxels at the bottom as in [`crate::Dag`].
+//! In: a DAG, and a limit. Out: a geometry of the same voxels in which every cube has a node of its own, in Morton
+//! order level by level. As all nodes and bricks take two words, a child is found by counting the filled octants before
+//! it. Differs from the source: no contours, one width of pointers, and bricks of 4^3 voxels at the bottom as in
+//! [`crate::Dag`].
 //!
 //! ```text
 //! word  0 .. 23   as in a DAG: depth, bricks, starts of the levels
@@ -50,8 +51,8 @@ pub struct SvoBuf {
 
 #[cfg(feature = "alloc")]
 impl SvoBuf {
-    /// Unfolds a DAG. Refuses with [`BuildError::Words`], before it takes the memory, what needs more than `limit` words, or
-    /// 2^31 and more.
+    /// Unfolds a DAG. Refuses with [`BuildError::Words`], before it takes the memory, what needs more than `limit`
+    /// words, or 2^31 and more.
     pub fn build(dag: &Dag<'_>, limit: u32) -> Result<SvoBuf, BuildError> {
         let stats = dag.stats().map_err(|bytes| BuildError::Memory { bytes: bytes as u64 })?;
         let needed = Svo::words_for(&stats);

@@ -1,13 +1,15 @@
 //! What the structures of the thesis take by its own accounting (Pineda 2021, tables 5.2 and 5.6), for any scene.
 //!
-//! In: a DAG or a number of voxels. Out: bytes; the thesis's KB are 1024 of them, its MB 1024^2. Its nodes are a child mask of
-//! 8 bytes and 8 bytes a pointer, down to leaves of 4^3 voxels in 8 bytes, as our bricks. Empty counts go into the 7 bytes
-//! that masks leave, and into words of 8 bytes behind them: for 7 children as many bits as the volume of a child asks for.
+//! In: a DAG or a number of voxels. Out: bytes; the thesis's KB are 1024 of them, its MB 1024^2. Its nodes are a child
+//! mask of 8 bytes and 8 bytes a pointer, down to leaves of 4^3 voxels in 8 bytes, as our bricks. Empty counts go into
+//! the 7 bytes that masks leave, and into words of 8 bytes behind them: for 7 children as many bits as the volume of a
+//! child asks for.
 //!
-//! The bunny at 256, 512, 1024^3: SVDAG 143, 498, 1721 KB (quoted 144, 497, 1712), with empty counts 149, 518, 1799 KB (3.7,
-//! 4.0, 4.5 % more). Quoted are 178, 639, 2262 KB: to within 1 % what comes out, 180, 641, 2272 KB, if the words by level
-//! are read from the wrong end. It does not explain Sponza and Conference, quoted with 53 to 65 and 37 to 43 % more than their
-//! SVDAGs (which are up to 1.5 times ours, on a lattice that is not known): that sum gives 26 to 32 and 24 to 30 %.
+//! The bunny at 256, 512, 1024^3: SVDAG 143, 498, 1721 KB (quoted 144, 497, 1712), with empty counts 149, 518, 1799 KB
+//! (3.7, 4.0, 4.5 % more). Quoted are 178, 639, 2262 KB: to within 1 % what comes out, 180, 641, 2272 KB, if the words
+//! by level are read from the wrong end. It does not explain Sponza and Conference, quoted with 53 to 65 and 37 to 43 %
+//! more than their SVDAGs (which are up to 1.5 times ours, on a lattice that is not known): that sum gives 26 to 32 and
+//! 24 to 30 %.
 
 use crate::dag::{BRICK_LEVEL, Dag};
 
@@ -17,8 +19,8 @@ pub fn svdag_bytes(dag: &Dag<'_>) -> u64 {
     8 * (u64::from(dag.brick_count()) + nodes as u64)
 }
 
-/// Words of 8 bytes for a node's empty counts: seven of 3 bits a level that a child has below it, beside a mask of 8 bits.
-/// More than two, which only levels from 10 on would take, have no room in Williams's node.
+/// Words of 8 bytes for a node's empty counts: seven of 3 bits a level that a child has below it, beside a mask of 8
+/// bits. More than two, which only levels from 10 on would take, have no room in Williams's node.
 const fn count_words(level: u8) -> u64 {
     let bits = 8 + 7 * 3 * (level as u64 - 1);
     let words = bits.div_ceil(64) - 1;

@@ -1,7 +1,8 @@
 //! A DAG's nodes written anew, with room for counts in them: what [`super::Offsets`] and [`super::MoxelDag`] share.
 //!
 //! Header and bricks are the DAG's own; level starts are new. Counts leave bit 31 of their words clear, so that a mask
-//! word, which has it set, marks where a node starts; only the root, which is known, may hold a count that is too large.
+//! word, which has it set, marks where a node starts; only the root, which is known, may hold a count that is too
+//! large.
 
 #[cfg(feature = "alloc")]
 use alloc::vec::Vec;
@@ -42,8 +43,8 @@ pub(super) struct Child {
 
 #[cfg(feature = "alloc")]
 impl NodesBuf {
-    /// Copies the nodes of `dag`. `len` says how many words a node of a level with so many children takes, behind its mask;
-    /// `write` writes them.
+    /// Copies the nodes of `dag`. `len` says how many words a node of a level with so many children takes, behind its
+    /// mask; `write` writes them.
     pub fn copy(
         dag: &Dag<'_>,
         len: impl Fn(u8, usize) -> usize,

@@ -1,9 +1,10 @@
 //! Rank of a voxel: how many filled voxels have a smaller Morton code; the thesis's *moxel index* (section 3.3).
 //!
-//! In: a DAG. Out: counts beside it or within it, summed up along the path to a voxel. An array of values in Morton order,
-//! one a filled voxel, is then all that a material map needs ([`crate::ranked`]). The schemes always agree:
+//! In: a DAG. Out: counts beside it or within it, summed up along the path to a voxel. An array of values in Morton
+//! order, one a filled voxel, is then all that a material map needs ([`crate::ranked`]). The schemes always agree:
 //! [`Prefix`] (beside a DAG's nodes) and [`Totals`] (beside an SSVDAG's), which go into files; [`Offsets`] (beside each
-//! pointer) and [`MoxelDag`] (counts of empty voxels), built in memory. A cube of depth 21 has up to 2^63 voxels: counts of cubes above level 10 take two words, all others one.
+//! pointer) and [`MoxelDag`] (counts of empty voxels), built in memory. A cube of depth 21 has up to 2^63 voxels:
+//! counts of cubes above level 10 take two words, all others one.
 
 mod any;
 mod copy;

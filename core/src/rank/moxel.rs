@@ -1,8 +1,9 @@
 //! The moxel DAG: a DAG with the number of empty voxels of each child (Williams 2015; Pineda 2021, section 3.3).
 //!
-//! In: a DAG. Out: a geometry of the same voxels, and their ranks: the Morton code less the empty voxels along the path. At
-//! each step down these are the counts of the filled children before, and all of the empty octants before. The last child's
-//! count is never asked for, and not kept. Differs from the source: whole words, where he packs counts beside the mask.
+//! In: a DAG. Out: a geometry of the same voxels, and their ranks: the Morton code less the empty voxels along the
+//! path. At each step down these are the counts of the filled children before, and all of the empty octants before. The
+//! last child's count is never asked for, and not kept. Differs from the source: whole words, where he packs counts
+//! beside the mask.
 //!
 //! ```text
 //! node  [ 1 << 31 | child mask ][ child ]...[ empty voxels of each child but the last ]...       up to level 11

@@ -1,8 +1,8 @@
-//! Rank by offsets in pointers: a DAG with a count beside each child pointer (after Dado et al. 2016, section 4).
+//! Rank by offsets in pointers: a DAG with a count beside each child pointer (after Dado et al. 2016).
 //!
-//! In: a DAG. Out: a geometry of the same voxels whose ranks are sums of offsets along the path, each on the line of memory
-//! that the step down reads in any case. The offset is the number of filled voxels in the children before. Differs from the
-//! source: offsets count voxels, not nodes of the octree, and take whole words.
+//! In: a DAG. Out: a geometry of the same voxels whose ranks are sums of offsets along the path, each on the line of
+//! memory that the step down reads in any case. The offset is the number of filled voxels in the children before.
+//! Differs from the source: offsets count voxels, not nodes of the octree, and take whole words.
 //!
 //! ```text
 //! node  [ 1 << 31 | child mask ][ child ][ offset ]...                               up to level 10

@@ -1,8 +1,9 @@
-//! Rank by prefix counts per child, in an array parallel to the DAG's nodes (after Dolonius et al. 2017, section 3).
+//! Rank by prefix counts per child, in an array parallel to the DAG's nodes (after Dolonius et al. 2017).
 //!
-//! In: a DAG, and words made for it. Out: ranks. At a child's place stands the number of voxels in the children before it,
-//! at a mask's place the node's total, so every count can be checked against those of the level below, without a heap.
-//! Differs from the source: counts per child beside the totals, so that a step down reads one count, not up to seven.
+//! In: a DAG, and words made for it. Out: ranks. At a child's place stands the number of voxels in the children before
+//! it, at a mask's place the node's total, so every count can be checked against those of the level below, without a
+//! heap. Differs from the source: counts per child beside the totals, so that a step down reads one count, not up to
+//! seven.
 //!
 //! ```text
 //! word  i        low 32 bits of the count for the DAG's word a + i; a = start of level 3

@@ -1,8 +1,8 @@
 //! Materials as an array in Morton order, one value a filled voxel, looked up by [`Rank`].
 //!
-//! In: what ranks the voxels of a geometry, and a checked array. Out: materials. The arrays: [`Packed`] (ids, as many bits as
-//! the largest needs; goes into files), [`Palettes`] (blocks with palettes of their own) and [`Moxels`] (Williams's table,
-//! with or without normals). They know no geometry: an array fits any that has as many voxels.
+//! In: what ranks the voxels of a geometry, and a checked array. Out: materials. The arrays: [`Packed`] (ids, as many
+//! bits as the largest needs; goes into files), [`Palettes`] (blocks with palettes of their own) and [`Moxels`]
+//! (Williams's table, with or without normals). They know no geometry: an array fits any that has as many voxels.
 
 mod bits;
 mod moxels;
@@ -31,8 +31,8 @@ use crate::table::Entry;
 /// More voxels than a cube has.
 const MAX_COUNT: u64 = 1 << 63;
 
-/// Values of the filled voxels in Morton order. Look-ups are total: beyond the last voxel the answer is material 0 and no
-/// normal.
+/// Values of the filled voxels in Morton order. Look-ups are total: beyond the last voxel the answer is material 0 and
+/// no normal.
 pub trait Values: Copy + Sync {
     /// Number of voxels.
     fn count(&self) -> u64;

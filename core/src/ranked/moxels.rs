@@ -1,4 +1,5 @@
-//! Williams's moxel table: what every filled voxel is made of, in Morton order (Williams 2015; Pineda 2021, section 3.3).
+//! Williams's moxel table: what every filled voxel is made of, in Morton order (Williams 2015; Pineda 2021, section
+//! 3.3).
 //!
 //! Differs from the source: a normal takes 4 bytes (octahedral), where he has three floats; without normals entries are
 //! those of the thesis, 4 bytes an id.

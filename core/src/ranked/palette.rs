@@ -1,16 +1,17 @@
-//! Material ids by rank in blocks with palettes of their own (after Dado et al. 2016, section 5; block size fixed as in
+//! Material ids by rank in blocks with palettes of their own (after Dado et al. 2016; block size fixed as in
 //! Dolonius et al. 2017).
 //!
-//! In: ids in Morton order. Out: words whose look-ups read a block's entry, an index and a palette: a block of one material
-//! is its entry alone, one of a few takes as many bits a voxel as number them. Differs from the sources: ids of materials, not
-//! colours, so nothing is lost, and blocks of equally many voxels, so that the block of a rank is known without a search.
+//! In: ids in Morton order. Out: words whose look-ups read a block's entry, an index and a palette: a block of one
+//! material is its entry alone, one of a few takes as many bits a voxel as number them. Differs from the sources: ids
+//! of materials, not colours, so nothing is lost, and blocks of equally many voxels, so that the block of a rank is
+//! known without a search.
 //!
 //! ```text
 //! word  0, 1   number of ids (low, high)
 //!       2      largest id                            entry: 0 << 28 | id          all voxels of the block
 //!       3      0                                            B << 28 | offset      B bits a voxel, 1 to 8
 //!       4..    entries, one a block of 256 voxels
-//!       then   at the offsets, counted from the end of the entries: [ 256 indices of B bits ][ palette, two ids a word ]
+//!       then   at the offsets, from the end of the entries: [ 256 indices of B bits ][ palette, two ids a word ]
 //! ```
 //!
 //! A palette's ids are in the order of their first voxels, each once; indices behind the last voxel are 0.
@@ -31,8 +32,8 @@ use crate::table::Entry;
 
 /// Words before the entries.
 const HEADER: usize = 4;
-/// Voxels of a block, as a power of two. Of 6 to 13 this takes the least at 1024^3 where there are many materials (bits a
-/// voxel: sponza 0.69, conference 0.76; with 9 it is 0.80 and 0.85), and the bunny's few take 0.14 (0.08 with 9).
+/// Voxels of a block, as a power of two. Of 6 to 13 this takes the least at 1024^3 where there are many materials (bits
+/// a voxel: sponza 0.69, conference 0.76; with 9 it is 0.80 and 0.85), and the bunny's few take 0.14 (0.08 with 9).
 const BITS: u32 = 8;
 const BLOCK: usize = 1 << BITS;
 /// An entry's bits a voxel stand above its offset or id.
@@ -49,8 +50,8 @@ pub struct Palettes<'a> {
 }
 
 impl<'a> Palettes<'a> {
-    /// Checks words in O(ids), without heap; after `Ok` no look-up can panic. Not checked, as no answer depends on it: that a
-    /// palette's ids differ.
+    /// Checks words in O(ids), without heap; after `Ok` no look-up can panic. Not checked, as no answer depends on it:
+    /// that a palette's ids differ.
     pub fn new(words: &'a [u32]) -> Result<Palettes<'a>, RankedError> {
         let found = words.len() as u64;
         let Some(&[low, high, max, reserved]) = words.first_chunk::<HEADER>() else {
@@ -161,7 +162,8 @@ pub struct PalettesBuf {
 
 #[cfg(feature = "alloc")]
 impl PalettesBuf {
-    /// The materials of entries whose codes ascend. Blocks of more than one material may take 2^28 words (1 GiB) together.
+    /// The materials of entries whose codes ascend. Blocks of more than one material may take 2^28 words (1 GiB)
+    /// together.
     pub fn from_entries(entries: impl IntoIterator<Item = (Morton, Entry)>) -> Result<PalettesBuf, BuildError> {
         let mut open = Open { ids: [0; BLOCK], filled: 0, count: 0, entries: Vec::new(), blocks: Vec::new(), max: 0 };
         in_order(entries, |entry| open.push(entry.material))?;

@@ -12,13 +12,13 @@ use voxdag::{Materials, Morton, Rank, octahedral};
 
 use super::Bytes;
 
-/// All representations say of every filled voxel what the map says; those by rank say material 0 of all others; words that
-/// were changed are refused or answer within the materials that they name.
+/// All representations say of every filled voxel what the map says; those by rank say material 0 of all others; words
+/// that were changed are refused or answer within the materials that they name.
 ///
-/// Byte 0 is the depth (modulo 8), byte 1 the number of changed words (modulo 4); a change takes a byte for which words, a u16
-/// for the place and a u32 that is xored in. Then cubes of voxels: a byte whose low four bits give the side (2^(modulo 5)),
-/// whose bit 4 says that every second voxel is left out and whose bit 5 that each voxel's material is one higher than
-/// that of the last; three bytes for the corner, and a u16 for the material.
+/// Byte 0 is the depth (modulo 8), byte 1 the number of changed words (modulo 4); a change takes a byte for which
+/// words, a u16 for the place and a u32 that is xored in. Then cubes of voxels: a byte whose low four bits give the
+/// side (2^(modulo 5)), whose bit 4 says that every second voxel is left out and whose bit 5 that each voxel's material
+/// is one higher than that of the last; three bytes for the corner, and a u16 for the material.
 pub fn materials(data: &[u8]) {
     let mut bytes = Bytes(data);
     let depth = bytes.u8() % 8;

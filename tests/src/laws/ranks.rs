@@ -7,12 +7,12 @@ use voxdag::{Dag, Geometry, Morton, Rank};
 use super::Bytes;
 use super::traversal::{Rule, SelfSimilar};
 
-/// Every scheme gives a voxel the number of filled voxels before it; the geometries with counts in them and the octree have
-/// the DAG's bricks; words that are not the DAG's counts are refused.
+/// Every scheme gives a voxel the number of filled voxels before it; the geometries with counts in them and the octree
+/// have the DAG's bricks; words that are not the DAG's counts are refused.
 ///
-/// Byte 0 is the depth (modulo 22), byte 1 the number of rules less one (modulo 8), byte 2 that of changed words (modulo 4).
-/// Each rule takes five bytes as in the law of traversal, each change a u16 for the place and a u32 that is xored in.
-/// Then come codes, eight bytes each, of which the bits above the cube are cleared in every second one.
+/// Byte 0 is the depth (modulo 22), byte 1 the number of rules less one (modulo 8), byte 2 that of changed words
+/// (modulo 4). Each rule takes five bytes as in the law of traversal, each change a u16 for the place and a u32 that is
+/// xored in. Then come codes, eight bytes each, of which the bits above the cube are cleared in every second one.
 pub fn ranks(data: &[u8]) {
     let mut bytes = Bytes(data);
     let depth = bytes.u8() % 22;
