@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::materials::AnyMaterials;
+use voxdag::ranked::Values;
 use voxdag::{Geometry, Morton, Table};
 
 use crate::error::{Error, Result};
@@ -63,7 +64,7 @@ fn check(args: &Args) -> Result<()> {
     let mut checks = vec![
         Check { name: "header", found: format!("{}, every checksum right", size(4 * words.len() as u64)) },
         Check {
-            name: "dag",
+            name: report::geometry_kind(geometry),
             found: format!("{} nodes and bricks, every child one level below its parent", grouped(unique)),
         },
         Check {
@@ -75,6 +76,14 @@ fn check(args: &Args) -> Result<()> {
         each_voxel_has_its_entry(&args.scene, geometry, table, &stats)?;
         let found = format!("{} entries: one for every voxel and no more", grouped(table.len()));
         checks.push(Check { name: "table", found });
+    }
+    if let AnyMaterials::Ranked(ids) = scene.materials {
+        let found = format!(
+            "{} ids of {} bits, every count that finds them right",
+            grouped(ids.values().count()),
+            ids.values().bits()
+        );
+        checks.push(Check { name: "ranked", found });
     }
     if let AnyMaterials::Tree(tree) = scene.materials {
         let found = format!("{}, every entry names what is there", size(4 * tree.words().len() as u64));
