@@ -65,15 +65,13 @@ impl BuildArgs {
             Err(Error::usage(format_args!("{flag}: that is built in memory only, for `render` and `bench`"))
                 .hint(format_args!("a file takes {kinds}")))
         };
-        match (self.geometry, self.materials) {
-            (Some(GeometryArg::Svo | GeometryArg::Offsets | GeometryArg::Moxel), _) => {
-                refused("--geometry", "dag or ssvdag")
-            }
-            (_, Some(MaterialsArg::Palette | MaterialsArg::Moxel | MaterialsArg::MoxelNormals)) => {
-                refused("--materials", "tree, table, table-normals, ranked or none")
-            }
-            _ => Ok(()),
+        if self.geometry.is_some_and(|geometry| !geometry.is_for_files()) {
+            return refused("--geometry", "dag or ssvdag");
         }
+        if self.materials.is_some_and(|materials| !materials.is_for_files()) {
+            return refused("--materials", "tree, table, table-normals, ranked or none");
+        }
+        Ok(())
     }
 
     /// Refuses flags of building for a scene that was built before.
@@ -99,7 +97,7 @@ impl BuildArgs {
         flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
     }
 
-    /// The flags that were given, as they can be typed again after other words.
+    /// The flags that were given, as they can be typed again after other words for `build`, which makes files.
     pub fn typed(&self) -> String {
         fn name<T: ValueEnum>(value: T) -> String {
             value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
@@ -109,8 +107,10 @@ impl BuildArgs {
             self.voxel_size.map(|s| format!(" --voxel-size {}", number_text(s))),
             self.origin.map(|[x, y, z]| format!(" --origin {},{},{}", number_text(x), number_text(y), number_text(z))),
             self.cover.map(|cover| format!(" --cover {}", name(cover))),
-            self.geometry.map(|geometry| format!(" --geometry {}", name(geometry))),
-            self.materials.map(|materials| format!(" --materials {}", name(materials))),
+            self.geometry.filter(|geometry| geometry.is_for_files()).map(|g| format!(" --geometry {}", name(g))),
+            self.materials
+                .filter(|materials| materials.is_for_files())
+                .map(|materials| format!(" --materials {}", name(materials))),
             self.up_axis.map(|axis| format!(" --up-axis {}", name(axis))),
         ];
         flags.into_iter().flatten().collect()
@@ -151,13 +151,27 @@ pub enum MaterialsArg {
     None,
 }
 
+impl MaterialsArg {
+    /// Whether a file can hold it.
+    fn is_for_files(self) -> bool {
+        !matches!(self, MaterialsArg::Palette | MaterialsArg::Moxel | MaterialsArg::MoxelNormals)
+    }
+}
+
+impl GeometryArg {
+    /// Whether a file can hold it.
+    fn is_for_files(self) -> bool {
+        matches!(self, GeometryArg::Dag | GeometryArg::Ssvdag)
+    }
+}
+
 /// How the filled voxels are laid out.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum GeometryArg {
     /// The sparse voxel DAG: the fastest
     #[default]
     Dag,
-    /// The same, also merged up to mirrors, and packed: the smallest
+    /// Merged up to mirrors, too, and packed: about 0.4 of the bytes, rays take 1.1 of the time
     Ssvdag,
     /// The octree without sharing; in memory only
     Svo,
@@ -195,9 +209,9 @@ pub struct CameraArgs {
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     pub view_up: Option<[f64; 3]>,
 
-    /// Vertical field of view in degrees, above 0 and below 180
-    #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view, allow_hyphen_values = true)]
-    pub fov: f64,
+    /// Vertical field of view in degrees, above 0 and below 180 [default: 45]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_hyphen_values = true)]
+    pub fov: Option<f64>,
 }
 
 /// How the scene is seen and lit.
@@ -248,12 +262,13 @@ impl PictureArgs {
         let samples = self.samples.unwrap_or(Samples::Sixteen);
         let [width, height] = self.size;
         match which {
+            SupersampleArg::All => Ok(samples),
             _ if samples == Samples::One => {
                 Err(Error::usage(format_args!("--supersample {which}: --samples 1 leaves no more to take"))
                     .hint("leave --samples away, or take 4, 5, 16 or 64"))
             }
             SupersampleArg::Adaptive(_) if samples.count() < 16 => Err(Error::usage(format_args!(
-                "--supersample {which}: the first four of --samples {} would be nearly all",
+                "--supersample {which}: it begins with 4 rays per pixel, which leaves nothing to gain with --samples {}",
                 samples.count()
             ))
             .hint("leave --samples away, or take 16 or 64")),
@@ -339,7 +354,7 @@ impl NormalsArg {
             NormalsArg::Stored if stored => NormalKind::Stored,
             NormalsArg::Stored => {
                 return Err(Error::usage("--normals stored: the scene has no stored normals")
-                    .hint("build it with --materials table-normals"));
+                    .hint("build it with --materials table-normals (or moxel-normals, in memory)"));
             }
             NormalsArg::Gradient => NormalKind::Gradient,
             NormalsArg::Plane1 => NormalKind::Plane1,

@@ -140,8 +140,12 @@ pub fn camera(scene: &Shown<'_>, args: &CameraArgs) -> Result<Camera> {
     let target = args.target.unwrap_or(framing.target);
     // The default eye keeps its distance and direction from wherever the target is.
     let eye = std::array::from_fn(|i| target[i] + (framing.eye[i] - framing.target[i]));
-    let camera =
-        Camera { eye: args.eye.unwrap_or(eye), target, up: args.view_up.unwrap_or(framing.up), fov_y: args.fov };
+    let camera = Camera {
+        eye: args.eye.unwrap_or(eye),
+        target,
+        up: args.view_up.unwrap_or(framing.up),
+        fov_y: args.fov.unwrap_or(framing.fov_y),
+    };
     camera.checked().map_err(|error| Error::usage(error).hint("see --eye, --target and --fov"))
 }
 

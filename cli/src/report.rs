@@ -5,6 +5,8 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 
 use serde::Serialize;
+use voxdag::geometry::AnyGeometry;
+use voxdag::materials::AnyMaterials;
 
 use crate::error::{Error, Kind, Result};
 
@@ -142,6 +144,31 @@ pub fn number(x: f64) -> String {
 pub fn sharing(octree: u64, dag: u64) -> String {
     let percent = if octree == 0 { 100.0 } else { 100.0 * dag as f64 / octree as f64 };
     format!("octree {} -> DAG {} ({percent:.2} %), bricks included", grouped(octree), grouped(dag))
+}
+
+/// The layout of a geometry, as `--geometry` names it.
+pub fn geometry_kind(geometry: AnyGeometry<'_>) -> &'static str {
+    match geometry {
+        AnyGeometry::Dag(_) => "dag",
+        AnyGeometry::Ssvdag(_) => "ssvdag",
+        AnyGeometry::Svo(_) => "svo",
+        AnyGeometry::Offsets(_) => "offsets",
+        AnyGeometry::MoxelDag(_) => "moxel",
+    }
+}
+
+/// The representation of materials, as `--materials` names it.
+pub fn materials_kind(materials: AnyMaterials<'_>) -> &'static str {
+    match (materials, materials.has_normals()) {
+        (AnyMaterials::Single(_), _) => "none",
+        (AnyMaterials::Tree(_), _) => "tree",
+        (AnyMaterials::Table(_), false) => "table",
+        (AnyMaterials::Table(_), true) => "table-normals",
+        (AnyMaterials::Ranked(_), _) => "ranked",
+        (AnyMaterials::Palettes(_), _) => "palette",
+        (AnyMaterials::Moxels(_), false) => "moxel",
+        (AnyMaterials::Moxels(_), true) => "moxel-normals",
+    }
 }
 
 /// The peak of memory, where the system says it.

@@ -109,7 +109,12 @@ fn view() -> PictureArgs {
     let view = demo::view();
     PictureArgs {
         size: [1280, 720],
-        camera: CameraArgs { eye: Some(view.eye), target: Some(view.target), view_up: Some(view.up), fov: view.fov_y },
+        camera: CameraArgs {
+            eye: Some(view.eye),
+            target: Some(view.target),
+            view_up: Some(view.up),
+            fov: Some(view.fov_y),
+        },
         lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
         ambient: view.ambient,
         normals: NormalsArg::default(),

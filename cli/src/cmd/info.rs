@@ -36,6 +36,9 @@ struct Report {
     #[serde(rename = "box")]
     bounds: Box,
     up_axis: &'static str,
+    /// As `--geometry` and `--materials` name them.
+    geometry: &'static str,
+    voxel_materials: &'static str,
     voxels: u64,
     nodes: u64,
     bricks: u64,
@@ -100,6 +103,8 @@ pub fn run(args: &Args) -> Result<()> {
             UpAxis::Y => "y",
             UpAxis::Z => "z",
         },
+        geometry: report::geometry_kind(scene.geometry),
+        voxel_materials: report::materials_kind(scene.materials),
         voxels: stats.voxels,
         nodes: stats.nodes(),
         bricks: stats.levels[usize::from(BRICK_LEVEL)].unique,
@@ -126,6 +131,8 @@ fn lines(report: &Report) -> Lines {
         .row("voxel size", number(report.voxel_size))
         .row("box", format!("{} to {}", triple(report.bounds.min), triple(report.bounds.max)))
         .row("up axis", report.up_axis)
+        .row("geometry", report.geometry)
+        .row("materials", report.voxel_materials)
         .row("voxels", grouped(report.voxels))
         .row("", "");
 

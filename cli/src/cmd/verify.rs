@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use voxdag::dag::{BRICK_LEVEL, Stats};
-use voxdag::geometry::AnyGeometry;
 use voxdag::materials::AnyMaterials;
-use voxdag::{Geometry, Morton, Rank, Table};
+use voxdag::ranked::Values;
+use voxdag::{Geometry, Morton, Table};
 
 use crate::error::{Error, Result};
 use crate::input;
@@ -64,7 +64,7 @@ fn check(args: &Args) -> Result<()> {
     let mut checks = vec![
         Check { name: "header", found: format!("{}, every checksum right", size(4 * words.len() as u64)) },
         Check {
-            name: if matches!(geometry, AnyGeometry::Ssvdag(_)) { "ssvdag" } else { "dag" },
+            name: report::geometry_kind(geometry),
             found: format!("{} nodes and bricks, every child one level below its parent", grouped(unique)),
         },
         Check {
@@ -77,13 +77,17 @@ fn check(args: &Args) -> Result<()> {
         let found = format!("{} entries: one for every voxel and no more", grouped(table.len()));
         checks.push(Check { name: "table", found });
     }
+    if let AnyMaterials::Ranked(ids) = scene.materials {
+        let found = format!(
+            "{} ids of {} bits, every count that finds them right",
+            grouped(ids.values().count()),
+            ids.values().bits()
+        );
+        checks.push(Check { name: "ranked", found });
+    }
     if let AnyMaterials::Tree(tree) = scene.materials {
         let found = format!("{}, every entry names what is there", size(4 * tree.words().len() as u64));
         checks.push(Check { name: "tree", found });
-    }
-    if let AnyMaterials::Ranked(ids) = scene.materials {
-        let found = format!("{} ids: one for every voxel, every count of ranks right", grouped(ids.rank().count()));
-        checks.push(Check { name: "ranked", found });
     }
 
     let mut lines = Lines::default();
@@ -98,7 +102,7 @@ fn check(args: &Args) -> Result<()> {
 
 /// Loading makes sure that the table is one; only here is it held against the voxels.
 fn each_voxel_has_its_entry(path: &Path, geometry: impl Geometry, table: Table<'_>, stats: &Stats) -> Result<()> {
-    // Counted first: that bounds the walk by the size of the file, whatever the geometry claims.
+    // Counted first: that bounds the walk by the size of the file, whatever the DAG claims.
     if table.len() != stats.voxels {
         return Err(damaged(path, format_args!("{} voxels, but {} entries", stats.voxels, table.len())));
     }

@@ -20,7 +20,7 @@ use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
 use crate::trace::{Face, Hit, Tracer};
-use plane::{Fit, Scatter};
+use plane::Fit;
 use window::Moments;
 
 /// Where normals come from, in the order of what they cost, the stored ones aside.
@@ -39,8 +39,8 @@ pub enum NormalKind {
     Plane2,
     /// The plane through the 7^3 voxels around: about 1 degree off, and wider corners.
     Plane3,
-    /// The thesis's plane through the 3^3 voxels around (section 4.3.2), on the side of the entry face: 4 degrees off on a
-    /// wall two voxels thick, and of a mirror image another one. To compare with.
+    /// The thesis's plane through the 3^3 voxels around (section 4.3.2), on the side of the entry face: 4 degrees off on
+    /// a wall two voxels thick, and of a mirror image another one. To compare with.
     Ernerfeldt1,
     /// The thesis's plane through the 5^3 voxels around: 10 degrees off on two parallel sheets.
     Ernerfeldt2,
@@ -92,15 +92,16 @@ pub fn normal<G: Geometry, M: Materials>(
         let n = math::normalize(materials.normal(hit.voxel)?.map(f64::from))?;
         oriented(n, view.outwards, Confidence::Stored)
     };
+    let plane = |radius, fit| view.plane(tracer, hit.voxel, radius, fit);
     let found = match kind {
         NormalKind::Face => None,
-        NormalKind::Stored => stored().or_else(|| view.plane(tracer, hit.voxel, 2)),
+        NormalKind::Stored => stored().or_else(|| plane(2, plane::fit)),
         NormalKind::Gradient => view.gradient(tracer, hit.voxel),
-        NormalKind::Plane1 => view.plane(tracer, hit.voxel, 1),
-        NormalKind::Plane2 => view.plane(tracer, hit.voxel, 2),
-        NormalKind::Plane3 => view.plane(tracer, hit.voxel, 3),
-        NormalKind::Ernerfeldt1 => view.regression(tracer, hit.voxel, 1),
-        NormalKind::Ernerfeldt2 => view.regression(tracer, hit.voxel, 2),
+        NormalKind::Plane1 => plane(1, plane::fit),
+        NormalKind::Plane2 => plane(2, plane::fit),
+        NormalKind::Plane3 => plane(3, plane::fit),
+        NormalKind::Ernerfeldt1 => plane(1, ernerfeldt::fit),
+        NormalKind::Ernerfeldt2 => plane(2, ernerfeldt::fit),
     };
     found.unwrap_or(Normal { direction: view.face.map(|x| x as f32), confidence: Confidence::Face })
 }
@@ -123,35 +124,29 @@ impl View {
     }
 
     /// From the voxels at most `radius` away along each axis; `None`: entry face.
-    fn plane<G: Geometry>(&self, tracer: &Tracer<'_, G>, voxel: Morton, radius: u32) -> Option<Normal> {
+    fn plane<G: Geometry>(
+        &self,
+        tracer: &Tracer<'_, G>,
+        voxel: Morton,
+        radius: u32,
+        fit: fn(&Moments) -> Fit,
+    ) -> Option<Normal> {
         let moments = Moments::around(tracer, voxel, radius);
-        match plane::fit(&moments) {
+        match fit(&moments) {
             Fit::Point => None,
-            Fit::Line(line) => self.across(line),
+            Fit::Line(line) => {
+                // line x (dir x line) = dir |line|^2 - line (line . dir), exactly 0 if they are parallel, and as small as
+                // f64 goes if they nearly are.
+                let across = math::normalize(math::cross(line, math::cross(self.dir, line)))?;
+                oriented(across, self.dir.map(|x| -x), Confidence::Line)
+            }
             Fit::Solid => self.gradient(tracer, voxel),
+            Fit::Regression(normal) => oriented(normal, self.face, Confidence::Regression),
             Fit::Plane { normal, ratio } => {
                 let outwards = math::add_scaled(self.outwards, moments.out_of_center(voxel, radius), 1.0);
                 oriented(normal, outwards, Confidence::Plane { ratio: ratio as f32 })
             }
         }
-    }
-
-    /// As [`View::plane`], by Ernerfeldt's weighting, and of the two sides that of the entry face.
-    fn regression<G: Geometry>(&self, tracer: &Tracer<'_, G>, voxel: Morton, radius: u32) -> Option<Normal> {
-        let scatter = Scatter::of(&Moments::around(tracer, voxel, radius));
-        match scatter.degenerate() {
-            None => oriented(ernerfeldt::direction(&scatter), self.face, Confidence::Regression),
-            Some(Fit::Line(line)) => self.across(line),
-            Some(_) => None,
-        }
-    }
-
-    /// The view direction made perpendicular to a line of voxels. `None` if it runs along it.
-    fn across(&self, line: [f64; 3]) -> Option<Normal> {
-        // line x (dir x line) = dir |line|^2 - line (line . dir), exactly 0 if they are parallel, and as small as f64
-        // goes if they nearly are.
-        let across = math::normalize(math::cross(line, math::cross(self.dir, line)))?;
-        oriented(across, self.dir.map(|x| -x), Confidence::Line)
     }
 
     /// From filled to empty among the six neighbours; outside the cube is empty. `None`: entry face.

@@ -24,6 +24,8 @@ pub(super) enum Fit {
     Line([f64; 3]),
     /// Too thick: l0 / l1 is above 0.6.
     Solid,
+    /// A plane by weighted regressions: its normal, of either side, not of unit length.
+    Regression([f64; 3]),
     /// A plane.
     Plane {
         /// Its normal, of either side, not of unit length.

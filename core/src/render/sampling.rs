@@ -1,8 +1,8 @@
 //! Where samples lie in a pixel, and which pixels take all of them.
 //!
-//! The centre's rule (Pineda 2021, section 4.4) takes all samples where a pixel shows the nearer half of the scene; regions
-//! are those of its section 5.4.3.3. Differs from the thesis: half of the range that the filled voxels span, not of the
-//! grid, along the axis that the camera looks along, not z.
+//! The centre's rule (Pineda 2021, section 4.4) takes all samples where a pixel shows the nearer half of the scene;
+//! regions are those of its section 5.4.3.3. Differs from the thesis: half of the range that the filled voxels span, not
+//! of the grid, and along the axis that the camera looks along, not z.
 //!
 //! The adaptive rule is none of the thesis's. It first takes the corners of the pattern: a straight edge between any two
 //! samples also parts the corners, as they span all of them, so that only what is thinner than a pixel or ends in it

@@ -30,6 +30,8 @@ pub struct Subject<'a> {
     pub published: Option<&'static Published>,
     pub resolution: u32,
     pub runs: u32,
+    /// Whether times can stand beside the thesis's: of the same number of pixels, from where its scene is seen.
+    pub usual_view: bool,
 }
 
 /// Layouts by what the tables call them.
@@ -94,11 +96,13 @@ fn ms(time: Duration) -> f64 {
 pub fn run(
     subject: &Subject<'_>,
     report: &mut Report,
-    view: &dyn Fn(&Shown<'_>) -> PictureArgs,
+    args: &PictureArgs,
+    progress: &dyn Fn(f64),
     memory: &mut Memory,
 ) -> Result<Vec<(&'static str, Picture)>> {
     let kept = build(subject, report, memory)?;
     memory.hold(kept.bytes());
+    progress(0.2);
     let palette: Vec<Material> = subject.source.model.materials.iter().map(|m| m.material).collect();
     let shown = |layout: usize, materials: usize| -> Result<Shown<'_>> {
         let layout = &kept.layouts[layout];
@@ -112,11 +116,12 @@ pub fn run(
             palette: palette.clone(),
         })
     };
-    let args = view(&shown(DAG, TREE)?);
     sizes(subject, report, &kept)?;
-    look_ups(subject, report, &kept, &shown(DAG, TREE)?, &args)?;
-    agree(subject, report, &shown, &args, memory)?;
-    let pictures = draw(subject, report, &shown, &args, memory);
+    look_ups(subject, report, &kept, &shown(DAG, TREE)?, args)?;
+    progress(0.1);
+    agree(subject, report, &shown, args, memory)?;
+    progress(0.2);
+    let pictures = draw(subject, report, &shown, args, progress, memory);
     memory.release(kept.bytes());
     pictures
 }
@@ -197,8 +202,8 @@ fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<
     put("5.4", "voxelization", &stages.voxelize, published(|p| &p.moxel_voxelization));
     put("5.4", "moxel DAG", &stages.moxel_dag, published(|p| &p.moxel_dag_construction));
     put("5.4", "moxel table", &stages.moxel_table, published(|p| &p.moxel_table_construction));
-    put("5.10", "voxelization + material tree", &sum(&stages.voxelize, &stages.tree), None);
-    put("5.10", "SSVDAG from the DAG", &stages.ssvdag, None);
+    put("A.4", "voxelization + material tree", &sum(&stages.voxelize, &stages.tree), None);
+    put("A.4", "SSVDAG from the DAG", &stages.ssvdag, None);
     kept.ok_or_else(|| Error::usage("--runs 0: expected 1 or more"))
 }
 
@@ -222,7 +227,7 @@ fn sizes(subject: &Subject<'_>, report: &mut Report, kept: &Kept) -> Result<()> 
     let mb = |bytes: u64| bytes as f64 / (1024.0 * 1024.0);
     let bits = |bytes: u64| 8.0 * bytes as f64 / voxels.max(1) as f64;
 
-    put("5.12", "filled voxels", voxels as f64, None);
+    put("A.6", "filled voxels", voxels as f64, None);
     // By the thesis's accounting.
     put("5.2a", "sparse voxel DAG", kb(thesis::svdag_bytes(&dag)), subject.published(|p| &p.dag));
     put(
@@ -238,21 +243,21 @@ fn sizes(subject: &Subject<'_>, report: &mut Report, kept: &Kept) -> Result<()> 
     put("5.6", "hash table without normals", mb(without), subject.published(|p| &p.hash_table_without_normals));
 
     // As this program holds them.
-    put("5.9a", "octree without pointers, 1 byte a node", kb(thesis::svo_bytes_without_pointers(&dag)), None);
-    put("5.9b", "octree without pointers, 1 byte a node", bits(thesis::svo_bytes_without_pointers(&dag)), None);
+    put("A.2", "octree without pointers, 1 byte a node", kb(thesis::svo_bytes_without_pointers(&dag)), None);
+    put("A.3", "octree without pointers, 1 byte a node", bits(thesis::svo_bytes_without_pointers(&dag)), None);
     for ((name, _), layout) in LAYOUTS.iter().zip(&kept.layouts) {
         let bytes = 4 * layout.geometry().words().len() as u64;
-        put("5.9a", name, kb(bytes), None);
-        put("5.9b", name, bits(bytes), None);
+        put("A.2", name, kb(bytes), None);
+        put("A.3", name, bits(bytes), None);
     }
     let rank = kept.layouts[DAG].rank();
     let counts = rank.and_then(|rank| rank.words()).map_or(0, |words| 4 * words.len() as u64);
-    put("5.9a", "prefix counts beside the DAG", kb(counts), None);
-    put("5.9b", "prefix counts beside the DAG", bits(counts), None);
+    put("A.2", "prefix counts beside the DAG", kb(counts), None);
+    put("A.3", "prefix counts beside the DAG", bits(counts), None);
     for ((name, _), materials) in MATERIALS.iter().zip(&kept.materials) {
         let bytes = size_of_val(materials.words()) as u64;
-        put("5.9a", name, kb(bytes), None);
-        put("5.9b", name, bits(bytes), None);
+        put("A.2", name, kb(bytes), None);
+        put("A.3", name, bits(bytes), None);
     }
     Ok(())
 }
@@ -284,7 +289,7 @@ fn look_ups(
         Arm::each(&voxels, move |voxel| u64::from(materials.id(*voxel)))
     });
     for ((name, _), times) in MATERIALS.iter().zip(&measure(runs, arms)?) {
-        report.put("5.11", subject.name, name, ns(times));
+        report.put("A.5", subject.name, name, ns(times));
     }
     let ranks = [
         ("rank by prefix counts", 0),
@@ -297,7 +302,7 @@ fn look_ups(
         Arm::each(&voxels, move |voxel| rank.and_then(|rank| rank.rank(*voxel)).unwrap_or(0))
     });
     for ((name, _), times) in ranks.iter().zip(&measure(runs, arms)?) {
-        report.put("5.11", subject.name, name, ns(times));
+        report.put("A.5", subject.name, name, ns(times));
     }
     Ok(())
 }
@@ -357,7 +362,9 @@ struct Configuration {
     normals: NormalsArg,
     samples: Samples,
     supersample: Option<SupersampleArg>,
-    /// Whether it is timed, or only looked at.
+    /// Whether its picture is kept: not where it is the same as another one's.
+    shown: bool,
+    /// Where its time is put and what it is called there; `None`: it is only looked at.
     timed: Option<(&'static str, &'static str)>,
 }
 
@@ -367,6 +374,7 @@ fn draw<'a>(
     report: &mut Report,
     shown: &dyn Fn(usize, usize) -> Result<Shown<'a>>,
     args: &PictureArgs,
+    progress: &dyn Fn(f64),
     memory: &Memory,
 ) -> Result<Vec<(&'static str, Picture)>> {
     let plain = Configuration {
@@ -376,6 +384,7 @@ fn draw<'a>(
         normals: NormalsArg::Ernerfeldt2,
         samples: Samples::Five,
         supersample: None,
+        shown: true,
         timed: None,
     };
     let near = supersample("near").ok();
@@ -390,6 +399,7 @@ fn draw<'a>(
         },
         Configuration {
             name: "moxel",
+            shown: false,
             layout: MOXEL_DAG,
             materials: MOXELS_NORMALS,
             normals: NormalsArg::Stored,
@@ -409,6 +419,7 @@ fn draw<'a>(
         },
         Configuration {
             name: "default",
+            shown: false,
             materials: TREE,
             normals: NormalsArg::Plane2,
             timed: Some(("5.7", "the same with the material tree")),
@@ -416,6 +427,7 @@ fn draw<'a>(
         },
         Configuration {
             name: "ssvdag",
+            shown: false,
             layout: 1,
             materials: TREE,
             normals: NormalsArg::Plane2,
@@ -464,15 +476,17 @@ fn draw<'a>(
             }
             let picture = one(configuration, false)?;
             times[i].push(ms(picture.trace));
-            if run == 0 {
+            if run == 0 && configuration.shown {
                 pictures.push((configuration.name, picture));
             }
         }
+        progress(0.5 / f64::from(subject.runs));
     }
     pictures.push(("near-in-red", one(&configurations[8], true)?));
     pictures.push(("adaptive-in-red", one(&configurations[9], true)?));
 
     let published = |configuration: &Configuration| match configuration.name {
+        _ if !subject.usual_view => None,
         "stored-normals" => subject.published(|p| &p.render_dag),
         "moxel" => subject.published(|p| &p.render_moxel),
         "calculated-normals" => subject.published(|p| &p.render_calculated),
@@ -490,7 +504,7 @@ fn draw<'a>(
             (configuration.supersample, pictures.iter().find(|(name, _)| *name == configuration.name))
         {
             let share = 100.0 * picture.rays.primary as f64 / all as f64;
-            report.put("5.8b", subject.name, label, Cell::exact(subject.resolution, share, None));
+            report.put("A.1", subject.name, label, Cell::exact(subject.resolution, share, None));
         }
     }
     Ok(pictures)

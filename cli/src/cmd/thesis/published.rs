@@ -9,8 +9,9 @@ type Row = [u32; 3];
 
 /// The figures of one scene.
 pub struct Published {
-    /// How file names of this scene begin.
     pub name: &'static str,
+    /// Names of files that hold it or a reconstruction of it.
+    files: &'static [&'static str],
     pub triangles: u32,
     pub materials: u32,
     /// KB.
@@ -37,16 +38,20 @@ pub struct Published {
 }
 
 impl Published {
-    /// The scene that a file of this name is, if it is one of the five.
-    pub fn of(stem: &str) -> Option<&'static Published> {
-        let stem = stem.to_ascii_lowercase();
-        SCENES.iter().find(|scene| stem.starts_with(scene.name))
+    /// The scene that a file of this name (without its ending) and so many triangles is, if it is one of the five.
+    pub fn of(stem: &str, triangles: usize) -> Option<&'static Published> {
+        let alike = |scene: &&Published| {
+            let of_thesis = scene.triangles as usize;
+            scene.files.contains(&stem) && triangles.abs_diff(of_thesis) <= of_thesis / 20
+        };
+        SCENES.iter().find(alike)
     }
 }
 
 const SCENES: [Published; 5] = [
     Published {
         name: "bunny",
+        files: &["bunny"],
         triangles: 29_822,
         materials: 1,
         dag: [144, 497, 1712],
@@ -68,6 +73,7 @@ const SCENES: [Published; 5] = [
     },
     Published {
         name: "buddha",
+        files: &["buddha", "buddha_room"],
         triangles: 100_014,
         materials: 1,
         dag: [100, 377, 1378],
@@ -89,6 +95,7 @@ const SCENES: [Published; 5] = [
     },
     Published {
         name: "dragon",
+        files: &["dragon_box"],
         triangles: 100_012,
         materials: 5,
         dag: [156, 566, 1987],
@@ -110,6 +117,7 @@ const SCENES: [Published; 5] = [
     },
     Published {
         name: "sponza",
+        files: &["sponza", "sponza_328131"],
         triangles: 328_131,
         materials: 19,
         dag: [144, 368, 828],
@@ -131,6 +139,7 @@ const SCENES: [Published; 5] = [
     },
     Published {
         name: "conference",
+        files: &["conference"],
         triangles: 322_457,
         materials: 32,
         dag: [76, 212, 634],
