@@ -1,5 +1,6 @@
 //! `voxdag thesis`: the tables and pictures of Pineda (2021), chapter 5, measured again on anyone's scenes and machine.
 
+mod draw;
 mod measure;
 mod published;
 mod report;

@@ -1,0 +1,169 @@
+//! The configurations that the thesis draws, and this program's own: drawn in turns, timed, and kept as pictures.
+
+use voxdag::render::Samples;
+
+use super::measure::{DAG, MOXEL_DAG, MOXELS_NORMALS, Subject, TABLE, TABLE_NORMALS, TREE};
+use super::report::Report;
+use super::table::Cell;
+use crate::error::Result;
+use crate::memory::Memory;
+use crate::options::{NormalsArg, PictureArgs, SupersampleArg, supersample};
+use crate::picture::{self, Picture, Shown};
+use crate::stats::ms;
+
+/// A way to draw the scene.
+struct Configuration {
+    /// In file names.
+    name: &'static str,
+    layout: usize,
+    materials: usize,
+    normals: NormalsArg,
+    samples: Samples,
+    supersample: Option<SupersampleArg>,
+    /// Whether its picture is kept: not where it is the same as another one's.
+    shown: bool,
+    /// Where its time is put and what it is called there; `None`: it is only looked at.
+    timed: Option<(&'static str, &'static str)>,
+}
+
+/// Draws every configuration in turns, puts the times into the tables, and gives the pictures by name.
+pub fn run<'a>(
+    subject: &Subject<'_>,
+    report: &mut Report,
+    shown: &dyn Fn(usize, usize) -> Result<Shown<'a>>,
+    args: &PictureArgs,
+    progress: &dyn Fn(f64),
+    memory: &Memory,
+) -> Result<Vec<(&'static str, Picture)>> {
+    let plain = Configuration {
+        name: "",
+        layout: DAG,
+        materials: TABLE,
+        normals: NormalsArg::Ernerfeldt2,
+        samples: Samples::Five,
+        supersample: None,
+        shown: true,
+        timed: None,
+    };
+    let near = supersample("near").ok();
+    let adaptive = supersample("adaptive").ok();
+    let configurations = [
+        Configuration {
+            name: "stored-normals",
+            materials: TABLE_NORMALS,
+            normals: NormalsArg::Stored,
+            timed: Some(("5.5", "sparse voxel DAG, hash table")),
+            ..plain
+        },
+        Configuration {
+            name: "moxel",
+            shown: false,
+            layout: MOXEL_DAG,
+            materials: MOXELS_NORMALS,
+            normals: NormalsArg::Stored,
+            timed: Some(("5.5", "moxel DAG, moxel table")),
+            ..plain
+        },
+        Configuration {
+            name: "calculated-normals",
+            timed: Some(("5.7", "calculated normals, as the thesis has them")),
+            ..plain
+        },
+        Configuration {
+            name: "plane2",
+            normals: NormalsArg::Plane2,
+            timed: Some(("5.7", "calculated normals, guarded (plane2)")),
+            ..plain
+        },
+        Configuration {
+            name: "default",
+            shown: false,
+            materials: TREE,
+            normals: NormalsArg::Plane2,
+            timed: Some(("5.7", "the same with the material tree")),
+            ..plain
+        },
+        Configuration {
+            name: "ssvdag",
+            shown: false,
+            layout: 1,
+            materials: TREE,
+            normals: NormalsArg::Plane2,
+            timed: Some(("5.7", "the same on the SSVDAG")),
+            ..plain
+        },
+        Configuration { name: "1-sample", samples: Samples::One, timed: Some(("5.8", "1 sample")), ..plain },
+        Configuration { name: "16-samples", samples: Samples::Sixteen, timed: Some(("5.8", "16 samples")), ..plain },
+        Configuration {
+            name: "near",
+            samples: Samples::Sixteen,
+            supersample: near,
+            timed: Some(("5.8", "16 samples on the nearer half")),
+            ..plain
+        },
+        Configuration {
+            name: "adaptive",
+            samples: Samples::Sixteen,
+            supersample: adaptive,
+            timed: Some(("5.8", "16 samples, adaptive")),
+            ..plain
+        },
+        Configuration { name: "radius-1", normals: NormalsArg::Ernerfeldt1, samples: Samples::One, ..plain },
+        Configuration {
+            name: "triangle-normals",
+            materials: TABLE_NORMALS,
+            normals: NormalsArg::Stored,
+            samples: Samples::One,
+            ..plain
+        },
+    ];
+    let one = |configuration: &Configuration, mark| {
+        let Configuration { layout, materials, normals, samples, supersample, .. } = *configuration;
+        let args = PictureArgs { normals, samples: Some(samples), supersample, ..args.clone() };
+        picture::draw(&shown(layout, materials)?, &args, mark, memory)
+    };
+
+    let mut times = vec![Vec::new(); configurations.len()];
+    let mut pictures = Vec::new();
+    for run in 0..subject.runs as usize {
+        for i in 0..configurations.len() {
+            let i = (run + i) % configurations.len();
+            let configuration = &configurations[i];
+            if configuration.timed.is_none() && run > 0 {
+                continue;
+            }
+            let picture = one(configuration, false)?;
+            times[i].push(ms(picture.trace));
+            if run == 0 && configuration.shown {
+                pictures.push((configuration.name, picture));
+            }
+        }
+        progress(0.5 / f64::from(subject.runs));
+    }
+    pictures.push(("near-in-red", one(&configurations[8], true)?));
+    pictures.push(("adaptive-in-red", one(&configurations[9], true)?));
+
+    let published = |configuration: &Configuration| match configuration.name {
+        _ if !subject.usual_view => None,
+        "stored-normals" => subject.published(|p| &p.render_dag),
+        "moxel" => subject.published(|p| &p.render_moxel),
+        "calculated-normals" => subject.published(|p| &p.render_calculated),
+        "1-sample" => subject.published(|p| &p.samples_1),
+        "16-samples" => subject.published(|p| &p.samples_16),
+        "near" => subject.published(|p| &p.samples_near),
+        _ => None,
+    };
+    let all = pictures.iter().find(|(name, _)| *name == "16-samples").map_or(1, |(_, all)| all.rays.primary);
+    for (configuration, runs) in configurations.iter().zip(&times) {
+        let Some((number, label)) = configuration.timed else { continue };
+        let cell = Cell::of_runs(subject.resolution, runs, published(configuration));
+        report.put(number, subject.name, label, cell);
+        if let (Some(_), Some((_, picture))) =
+            (configuration.supersample, pictures.iter().find(|(name, _)| *name == configuration.name))
+        {
+            let share = 100.0 * picture.rays.primary as f64 / all as f64;
+            report.put("A.1", subject.name, label, Cell::exact(subject.resolution, share, None));
+        }
+    }
+    Ok(pictures)
+}
