@@ -109,6 +109,10 @@ def prepare():
         if not file.is_file() or file.read_bytes() != content:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_bytes(content)
+    # What an earlier copy had and this tree has not would be built as well.
+    for file in [file for file in COPY.rglob("*") if file.is_file()]:
+        if str(file.relative_to(COPY)) not in files:
+            file.unlink()
     return mutants
 
 
