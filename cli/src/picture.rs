@@ -15,7 +15,7 @@ use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
-use voxdag::trace::Tracer;
+use voxdag::trace::Query;
 use voxdag::{Grid, Material, match_geometry};
 
 use crate::error::{Error, Kind, Result};
@@ -79,7 +79,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memo
     let counters = match_geometry!(scene.geometry, geometry => {
         // The grid pays for itself after some thousand rays.
         let top = scene::top_grid(geometry)?;
-        let tracer = Tracer::with_top(geometry, top.as_top()).unwrap_or(Tracer::new(geometry));
+        let tracer = scene::tracer(geometry, &top);
         let (palette, materials) = (&scene.palette[..], scene.materials);
         let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
         in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
@@ -147,6 +147,15 @@ pub fn camera(scene: &Shown<'_>, args: &CameraArgs) -> Result<Camera> {
         fov_y: args.fov.unwrap_or(framing.fov_y),
     };
     camera.checked().map_err(|error| Error::usage(error).hint("see --eye, --target and --fov"))
+}
+
+/// One ray through the centre of every pixel, row by row.
+pub fn primary(scene: &Shown<'_>, camera: &CameraArgs, [width, height]: [u32; 2]) -> Result<Vec<Query>> {
+    let camera = self::camera(scene, camera)?;
+    let rays = camera.rays(width, height).map_err(Error::usage)?;
+    let eye = scene.grid.to_grid(camera.eye);
+    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
+    Ok(pixels.map(|p| p.map(|k| f64::from(k) + 0.5)).map(|[x, y]| Query::new(eye, rays.direction(x, y))).collect())
 }
 
 /// The lights that the flags describe, or the default one.

@@ -16,7 +16,7 @@ use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::trace::TopBuf;
+use voxdag::trace::{TopBuf, Tracer};
 use voxdag::voxelize::{Cover, VoxelizeError};
 use voxdag::{Dag, Material, Mesh};
 
@@ -149,8 +149,7 @@ impl Bytes {
     pub fn of(geometry: AnyGeometry<'_>, stats: &Stats, materials: AnyMaterials<'_>, file: u64) -> Bytes {
         let bricks = 8 * stats.levels[usize::from(BRICK_LEVEL)].unique;
         let nodes = 4 * geometry.words().len() as u64 - bricks;
-        let counts = materials.rank().and_then(|rank| rank.words()).map_or(0, <[u32]>::len);
-        let materials = 4 * (counts + materials.words().len()) as u64;
+        let materials = (size_of_val(materials.count_words()) + size_of_val(materials.words())) as u64;
         Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
     }
 
@@ -411,6 +410,11 @@ const TOP_BITS: u8 = 5;
 pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
     TopBuf::new(&geometry, TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
+}
+
+/// What answers rays, by way of the geometry's top grid.
+pub fn tracer<G: Geometry>(geometry: G, top: &TopBuf) -> Tracer<'_, G> {
+    Tracer::with_top(geometry, top.as_top()).unwrap_or(Tracer::new(geometry))
 }
 
 /// What a mesh takes in memory.

@@ -120,7 +120,7 @@ fn look<T: Send>(
     let camera = picture::camera(shown, &args.camera)?;
     let arithmetic = args.arithmetic.kind();
     let top = scene::top_grid(shown.geometry)?;
-    let tracer = Tracer::with_top(shown.geometry, top.as_top()).unwrap_or(Tracer::new(shown.geometry));
+    let tracer = scene::tracer(shown.geometry, &top);
     picture::in_bands("drawing", args.size, out, |rows, out| {
         let mut counters = Counters::default();
         each_pixel(&camera, &shown.grid, args.size, rows, out, |pixel| {

@@ -149,6 +149,11 @@ impl<'a> AnyMaterials<'a> {
         }
     }
 
+    /// The words of the counts that ranks go by, as a file holds them; none where there are none, or only in the geometry.
+    pub fn count_words(&self) -> &'a [u32] {
+        self.rank().and_then(|rank| rank.words()).unwrap_or(&[])
+    }
+
     /// Whether voxels have normals of their own.
     pub fn has_normals(&self) -> bool {
         match self {

@@ -132,7 +132,7 @@ pub fn run(args: &Args) -> Result<()> {
     let top = scene::top_grid(scene.geometry)?;
     let caster = Caster {
         scene: &scene,
-        tracer: Tracer::with_top(scene.geometry, top.as_top()).unwrap_or(Tracer::new(scene.geometry)),
+        tracer: scene::tracer(scene.geometry, &top),
         space: args.space,
         arithmetic: args.arithmetic,
         normals: args.normals.kind(&scene.materials)?,

@@ -136,8 +136,9 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
         Some((_, words)) => {
             let counts = required(Section::Ranks)?;
             let rank = match geometry {
+                AnyGeometry::Dag(dag) => Prefix::new(dag, counts).map(AnyRank::Prefix),
                 AnyGeometry::Ssvdag(ssvdag) => Totals::new(ssvdag, counts).map(AnyRank::Totals),
-                _ => Prefix::new(Dag::new(geometry.words()).map_err(LoadError::Dag)?, counts).map(AnyRank::Prefix),
+                _ => return Err(LoadError::Missing { section: Section::Dag }),
             };
             let ids = Packed::new(words).map_err(LoadError::Ids)?;
             AnyMaterials::Ranked(Ranked::new(rank.map_err(LoadError::Ranks)?, ids).map_err(LoadError::Ids)?)

@@ -90,8 +90,7 @@ impl<'a> Parts<'a> {
     /// The words that follow the head, as they are: those of the geometry, of the counts of ranks, and of the table, the
     /// tree or the ids. Of what the file does not hold there are none.
     pub fn body(&self) -> [&'a [u32]; 3] {
-        let counts = self.voxel_materials.rank().and_then(|rank| rank.words()).unwrap_or(&[]);
-        [self.geometry.words(), counts, self.voxel_materials.words()]
+        [self.geometry.words(), self.voxel_materials.count_words(), self.voxel_materials.words()]
     }
 
     /// Words of the whole file: head and body.

@@ -10,7 +10,7 @@ use voxdag::table::{Entry, TableBuf};
 use voxdag::tree::TreeBuilder;
 use voxdag::{Materials, Morton, Rank, octahedral};
 
-use super::Bytes;
+use super::{Bytes, bricks};
 
 /// All representations say of every filled voxel what the map says; those by rank say material 0 of all others; words
 /// that were changed are refused or answer within the materials that they name.
@@ -50,16 +50,9 @@ fn agree(depth: u8, map: &BTreeMap<u64, u16>, changes: &[(u8, u16, u32)]) {
     let entries = || map.iter().map(|(&code, &id)| (Morton(code), entry(code, id)));
     // The DAG and the tree, brick by brick.
     let (mut dag, mut tree) = (DagBuilder::new(depth).unwrap(), TreeBuilder::new(depth).unwrap());
-    let mut codes: Vec<u64> = map.keys().map(|code| code & !63).collect();
-    codes.dedup();
-    for &code in &codes {
-        let (mut mask, mut ids) = (0u64, Vec::new());
-        for (voxel, id) in map.range(code..code + 64) {
-            mask |= 1 << (voxel & 63);
-            ids.push(*id);
-        }
-        dag.push(Morton(code), mask).unwrap();
-        tree.push(Morton(code), mask, &ids).unwrap();
+    for (code, mask, ids) in bricks(map) {
+        dag.push(code, mask).unwrap();
+        tree.push(code, mask, &ids).unwrap();
     }
     let (dag, tree) = (dag.finish().unwrap(), tree.finish().unwrap());
     let dag = dag.dag();

@@ -29,6 +29,10 @@ pub use traversal::traversal;
 pub use tree::tree;
 pub use triangulation::triangulation;
 
+use std::collections::BTreeMap;
+
+use voxdag::Morton;
+
 /// A law: returns, or panics.
 pub type Law = fn(&[u8]);
 
@@ -106,6 +110,16 @@ impl<'a> Bytes<'a> {
     fn floats(&mut self, size: f64) -> [f64; 3] {
         core::array::from_fn(|_| self.float(size))
     }
+}
+
+/// The bricks of some voxels in Morton order: code, mask, and the voxels' materials.
+fn bricks(map: &BTreeMap<u64, u16>) -> impl Iterator<Item = (Morton, u64, Vec<u16>)> {
+    let mut codes: Vec<u64> = map.keys().map(|code| code & !63).collect();
+    codes.dedup();
+    codes.into_iter().map(|code| {
+        let voxels = || map.range(code..code + 64);
+        (Morton(code), voxels().map(|(voxel, _)| 1 << (voxel & 63)).sum(), voxels().map(|(_, id)| *id).collect())
+    })
 }
 
 /// Where floats are at their worst, and the largest cube's border.

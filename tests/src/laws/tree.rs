@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use voxdag::Morton;
 use voxdag::tree::{Tree, TreeBuilder};
 
-use super::Bytes;
+use super::{Bytes, bricks};
 
 /// The tree says what the map says, of empty voxels a material of the smallest cube around them, and words that are not
 /// its own are refused or answer within the materials that they name.
@@ -31,15 +31,8 @@ pub fn tree(data: &[u8]) {
     }
 
     let mut builder = TreeBuilder::new(depth).unwrap();
-    let mut codes: Vec<u64> = map.keys().map(|code| code & !63).collect();
-    codes.dedup();
-    for &code in &codes {
-        let (mut mask, mut ids) = (0u64, Vec::new());
-        for (voxel, id) in map.range(code..code + 64) {
-            mask |= 1 << (voxel & 63);
-            ids.push(*id);
-        }
-        builder.push(Morton(code), mask, &ids).unwrap();
+    for (code, mask, ids) in bricks(&map) {
+        builder.push(code, mask, &ids).unwrap();
     }
     let built = builder.finish().unwrap();
     let tree = built.tree();

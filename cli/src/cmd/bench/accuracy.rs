@@ -30,7 +30,7 @@ use super::rays::{self, Found};
 use super::{Cost, Run};
 use crate::error::{Error, Kind, Result};
 use crate::measure::{Arm, measure};
-use crate::picture::Shown;
+use crate::picture::{self, Shown};
 use crate::report::{self, Lines, grouped};
 use crate::scene::Source;
 
@@ -221,7 +221,7 @@ fn near(triangles: &[[[f64; 3]; 3]], grid: &Grid) -> Vec<Near> {
 }
 
 fn tracing<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G) -> Result<Tracing> {
-    let all = rays::primary(run, scene)?;
+    let all = picture::primary(scene, &run.camera, run.size)?;
     let some: Vec<Query> = all.iter().step_by(all.len().div_ceil(RAYS)).copied().collect();
     let top = rays::top_grid(geometry)?;
     let tracer = rays::tracer(geometry, &top)?;

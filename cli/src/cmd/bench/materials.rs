@@ -1,10 +1,8 @@
 //! `voxdag bench materials`: time per look-up of a voxel's material.
 
 use serde::Serialize;
-use voxdag::Geometry;
-use voxdag::Morton;
-use voxdag::Rank;
 use voxdag::materials::{AnyMaterials, Materials};
+use voxdag::{Geometry, Morton, Rank};
 
 use super::{Cost, Run, rays, scattered};
 use crate::error::Result;
@@ -66,7 +64,7 @@ fn with<M: Materials>(run: &Run, scene: &Shown<'_>, materials: M, kind: &'static
     let rank = scene.materials.rank();
     let ranks = |voxels| Arm::each(voxels, move |v: &Morton| rank.and_then(|rank| rank.rank(*v)).unwrap_or(0));
     let [near, far, ranked] = measure(run.repeat, [look_up(&hits), look_up(&scattered), ranks(&hits)])?;
-    let bytes = 4 * (scene.materials.words().len() + rank.and_then(|rank| rank.words()).map_or(0, <[u32]>::len)) as u64;
+    let bytes = (size_of_val(scene.materials.words()) + size_of_val(scene.materials.count_words())) as u64;
     let report = Report {
         kind,
         voxels,

@@ -1,7 +1,6 @@
 //! The rays that are measured with: those of a picture, and those that leave its hits.
 
 use voxdag::Geometry;
-use voxdag::camera::Camera;
 use voxdag::math::{add_scaled, dot, sqrt, sub};
 use voxdag::trace::{Arithmetic, Face, Hit, Query, TopBuf, Tracer};
 use voxdag_oracle::rng::Rng;
@@ -28,16 +27,6 @@ pub fn tracer<G: Geometry>(geometry: G, top: &TopBuf) -> Result<Tracer<'_, G>> {
         .ok_or_else(|| Error::new(Kind::Failure, "the top grid does not fit its geometry: this is a defect of voxdag"))
 }
 
-/// One ray through the centre of every pixel, row by row.
-pub fn primary(run: &Run, scene: &Shown<'_>) -> Result<Vec<Query>> {
-    let [width, height] = run.size;
-    let camera: Camera = picture::camera(scene, &run.camera)?;
-    let rays = camera.rays(width, height).map_err(Error::usage)?;
-    let eye = scene.grid.to_grid(camera.eye);
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [x, y]));
-    Ok(pixels.map(|p| p.map(|k| f64::from(k) + 0.5)).map(|[x, y]| Query::new(eye, rays.direction(x, y))).collect())
-}
-
 /// A hit and the direction of the ray that found it.
 pub struct Found {
     pub hit: Hit,
@@ -48,7 +37,7 @@ pub struct Found {
 
 /// What the rays of a picture hit; an error if that is nothing.
 pub fn seen(run: &Run, scene: &Shown<'_>) -> Result<Vec<Found>> {
-    hits(&tracer(scene.geometry, &top_grid(scene.geometry)?)?, &primary(run, scene)?)
+    hits(&tracer(scene.geometry, &top_grid(scene.geometry)?)?, &picture::primary(scene, &run.camera, run.size)?)
 }
 
 /// What the rays hit, in their order; an error if that is nothing.

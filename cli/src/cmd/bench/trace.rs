@@ -7,7 +7,7 @@ use voxdag::{Geometry, match_geometry};
 use super::{Run, checksum, rays};
 use crate::error::Result;
 use crate::measure::{Arm, Times, measure};
-use crate::picture::Shown;
+use crate::picture::{self, Shown};
 use crate::report::{self, Lines, grouped, size};
 
 /// What `bench trace --json` prints.
@@ -106,7 +106,7 @@ fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G) -> Result<()> {
     let plain = Tracer::new(geometry);
     let top = rays::top_grid(geometry)?;
     let tracer = rays::tracer(geometry, &top)?;
-    let primary = rays::primary(run, scene)?;
+    let primary = picture::primary(scene, &run.camera, run.size)?;
     let found = rays::hits(&tracer, &primary)?;
     let (shadow, random) = (rays::shadow(scene, &found), rays::random(&found));
 

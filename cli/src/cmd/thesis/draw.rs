@@ -2,10 +2,12 @@
 
 use voxdag::render::Samples;
 
-use super::measure::{DAG, MOXEL_DAG, MOXELS_NORMALS, Subject, TABLE, TABLE_NORMALS, TREE};
+use super::measure::{DAG, MOXEL_DAG, MOXELS_NORMALS, SSVDAG, Subject, TABLE, TABLE_NORMALS, TREE};
+use super::published::Published;
 use super::report::Report;
 use super::table::Cell;
 use crate::error::Result;
+use crate::measure::Spread;
 use crate::memory::Memory;
 use crate::options::{NormalsArg, PictureArgs, SupersampleArg, supersample};
 use crate::picture::{self, Picture, Shown};
@@ -20,10 +22,14 @@ struct Configuration {
     normals: NormalsArg,
     samples: Samples,
     supersample: Option<SupersampleArg>,
+    /// What the picture is called that has red on the pixels with all samples, if it is drawn.
+    in_red: Option<&'static str>,
     /// Whether its picture is kept: not where it is the same as another one's.
     shown: bool,
     /// Where its time is put and what it is called there; `None`: it is only looked at.
     timed: Option<(&'static str, &'static str)>,
+    /// The thesis's times.
+    published: Option<fn(&Published) -> &[u32; 3]>,
 }
 
 /// Draws every configuration in turns, puts the times into the tables, and gives the pictures by name.
@@ -42,8 +48,10 @@ pub fn run<'a>(
         normals: NormalsArg::Ernerfeldt2,
         samples: Samples::Five,
         supersample: None,
+        in_red: None,
         shown: true,
         timed: None,
+        published: None,
     };
     let near = supersample("near").ok();
     let adaptive = supersample("adaptive").ok();
@@ -53,6 +61,7 @@ pub fn run<'a>(
             materials: TABLE_NORMALS,
             normals: NormalsArg::Stored,
             timed: Some(("5.5", "sparse voxel DAG, hash table")),
+            published: Some(|p| &p.render_dag),
             ..plain
         },
         Configuration {
@@ -62,11 +71,13 @@ pub fn run<'a>(
             materials: MOXELS_NORMALS,
             normals: NormalsArg::Stored,
             timed: Some(("5.5", "moxel DAG, moxel table")),
+            published: Some(|p| &p.render_moxel),
             ..plain
         },
         Configuration {
             name: "calculated-normals",
             timed: Some(("5.7", "calculated normals, as the thesis has them")),
+            published: Some(|p| &p.render_calculated),
             ..plain
         },
         Configuration {
@@ -86,25 +97,40 @@ pub fn run<'a>(
         Configuration {
             name: "ssvdag",
             shown: false,
-            layout: 1,
+            layout: SSVDAG,
             materials: TREE,
             normals: NormalsArg::Plane2,
             timed: Some(("5.7", "the same on the SSVDAG")),
             ..plain
         },
-        Configuration { name: "1-sample", samples: Samples::One, timed: Some(("5.8", "1 sample")), ..plain },
-        Configuration { name: "16-samples", samples: Samples::Sixteen, timed: Some(("5.8", "16 samples")), ..plain },
+        Configuration {
+            name: "1-sample",
+            samples: Samples::One,
+            timed: Some(("5.8", "1 sample")),
+            published: Some(|p| &p.samples_1),
+            ..plain
+        },
+        Configuration {
+            name: "16-samples",
+            samples: Samples::Sixteen,
+            timed: Some(("5.8", "16 samples")),
+            published: Some(|p| &p.samples_16),
+            ..plain
+        },
         Configuration {
             name: "near",
             samples: Samples::Sixteen,
             supersample: near,
+            in_red: Some("near-in-red"),
             timed: Some(("5.8", "16 samples on the nearer half")),
+            published: Some(|p| &p.samples_near),
             ..plain
         },
         Configuration {
             name: "adaptive",
             samples: Samples::Sixteen,
             supersample: adaptive,
+            in_red: Some("adaptive-in-red"),
             timed: Some(("5.8", "16 samples, adaptive")),
             ..plain
         },
@@ -140,23 +166,17 @@ pub fn run<'a>(
         }
         progress(0.5 / f64::from(subject.runs));
     }
-    pictures.push(("near-in-red", one(&configurations[8], true)?));
-    pictures.push(("adaptive-in-red", one(&configurations[9], true)?));
+    for configuration in &configurations {
+        if let Some(name) = configuration.in_red {
+            pictures.push((name, one(configuration, true)?));
+        }
+    }
 
-    let published = |configuration: &Configuration| match configuration.name {
-        _ if !subject.usual_view => None,
-        "stored-normals" => subject.published(|p| &p.render_dag),
-        "moxel" => subject.published(|p| &p.render_moxel),
-        "calculated-normals" => subject.published(|p| &p.render_calculated),
-        "1-sample" => subject.published(|p| &p.samples_1),
-        "16-samples" => subject.published(|p| &p.samples_16),
-        "near" => subject.published(|p| &p.samples_near),
-        _ => None,
-    };
     let all = pictures.iter().find(|(name, _)| *name == "16-samples").map_or(1, |(_, all)| all.rays.primary);
     for (configuration, runs) in configurations.iter().zip(&times) {
         let Some((number, label)) = configuration.timed else { continue };
-        let cell = Cell::of_runs(subject.resolution, runs, published(configuration));
+        let published = configuration.published.filter(|_| subject.usual_view).and_then(|row| subject.published(row));
+        let cell = Cell::spread(subject.resolution, Spread::of(runs.iter().copied()), published);
         report.put(number, subject.name, label, cell);
         if let (Some(_), Some((_, picture))) =
             (configuration.supersample, pictures.iter().find(|(name, _)| *name == configuration.name))

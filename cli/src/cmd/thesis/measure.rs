@@ -3,13 +3,13 @@
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use std::time::Duration;
 
+use voxdag::grid::{Bounds, UpAxis};
 use voxdag::materials::{Materials, MaterialsBuf};
 use voxdag::render::Samples;
 use voxdag::scene::{MaterialMode, SceneError};
-use voxdag::trace::{Arithmetic, Query, Tracer};
-use voxdag::{Dag, Material, Morton, Rank, thesis};
+use voxdag::trace::Arithmetic;
+use voxdag::{Dag, Grid, Material, Morton, Rank, thesis};
 
 use super::draw;
 use super::published::Published;
@@ -17,12 +17,12 @@ use super::report::{Agreement, Report};
 use super::table::Cell;
 use crate::error::{Error, Kind, Result};
 use crate::layout::Layout;
-use crate::measure::{Arm, measure};
+use crate::measure::{Arm, Spread, Times, measure};
 use crate::memory::Memory;
 use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs};
 use crate::picture::{self, Picture, Shown};
 use crate::scene::{self, Source, Voxels};
-use crate::stats;
+use crate::stats::{self, ms};
 
 /// What is measured.
 pub struct Subject<'a> {
@@ -44,6 +44,8 @@ const LAYOUTS: [(&str, GeometryArg); 5] = [
     ("moxel DAG", GeometryArg::Moxel),
 ];
 pub const DAG: usize = 0;
+pub const SSVDAG: usize = 1;
+const OFFSETS: usize = 3;
 pub const MOXEL_DAG: usize = 4;
 
 /// Representations of materials by what the tables call them.
@@ -65,8 +67,8 @@ pub const MOXELS_NORMALS: usize = 6;
 struct Kept {
     layouts: Vec<Layout>,
     materials: Vec<MaterialsBuf>,
-    grid: voxdag::Grid,
-    bounds: voxdag::grid::Bounds,
+    grid: Grid,
+    bounds: Bounds,
 }
 
 impl Kept {
@@ -89,10 +91,6 @@ struct Stages {
     ssvdag: Vec<f64>,
 }
 
-fn ms(time: Duration) -> f64 {
-    stats::ms(time)
-}
-
 /// Measures, and gives the pictures of all configurations by name.
 pub fn run(
     subject: &Subject<'_>,
@@ -111,7 +109,7 @@ pub fn run(
         Ok(Shown {
             grid: kept.grid,
             bounds: kept.bounds,
-            up: voxdag::grid::UpAxis::Y,
+            up: UpAxis::Y,
             geometry: layout.geometry(),
             materials,
             palette: palette.clone(),
@@ -182,7 +180,7 @@ fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<
                     layouts.push(layout);
                 }
             }
-            layouts.insert(1, ssvdag);
+            layouts.insert(SSVDAG, ssvdag);
             Ok(Some(Kept { layouts, materials, grid, bounds }))
         })?;
     }
@@ -191,7 +189,7 @@ fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<
     let published = |row: fn(&Published) -> &[u32; 3]| subject.published(row);
     let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<_>>();
     let mut put = |number, configuration, runs: &[f64], published| {
-        report.put(number, subject.name, configuration, Cell::of_runs(n, runs, published));
+        report.put(number, subject.name, configuration, Cell::spread(n, Spread::of(runs.iter().copied()), published));
     };
     put(
         "5.3",
@@ -277,10 +275,7 @@ fn look_ups(
     }
     let n = subject.resolution;
     let runs = subject.runs.max(3);
-    let ns = |times: &crate::measure::Times| {
-        let spread = times.ns(voxels.len());
-        Cell { resolution: n, value: spread.median, min: spread.min, max: spread.max, published: None }
-    };
+    let ns = |times: &Times| Cell::spread(n, times.ns(voxels.len()), None);
     let mut views = Vec::new();
     for materials in &kept.materials {
         views.push(materials.as_materials(kept.layouts[DAG].rank()).map_err(defect)?);
@@ -293,9 +288,9 @@ fn look_ups(
         report.put("A.5", subject.name, name, ns(times));
     }
     let ranks = [
-        ("rank by prefix counts", 0),
-        ("rank by totals of the SSVDAG", 1),
-        ("rank by offsets in pointers", 3),
+        ("rank by prefix counts", DAG),
+        ("rank by totals of the SSVDAG", SSVDAG),
+        ("rank by offsets in pointers", OFFSETS),
         ("rank by empty counts (moxel DAG)", MOXEL_DAG),
     ];
     let arms = ranks.map(|(_, layout)| {
@@ -310,15 +305,10 @@ fn look_ups(
 
 /// The voxels that the middles of the pixels show, row by row.
 fn hits(shown: &Shown<'_>, args: &PictureArgs) -> Result<Vec<Morton>> {
-    let camera = picture::camera(shown, &args.camera)?;
     let top = scene::top_grid(shown.geometry)?;
-    let tracer = Tracer::with_top(shown.geometry, top.as_top()).unwrap_or(Tracer::new(shown.geometry));
-    let [width, height] = args.size;
-    let rays = camera.rays(width, height).map_err(Error::usage)?;
-    let eye = shown.grid.to_grid(camera.eye);
-    let pixels = (0..height).flat_map(|y| (0..width).map(move |x| [f64::from(x) + 0.5, f64::from(y) + 0.5]));
-    let queries = pixels.map(|[x, y]| Query::new(eye, rays.direction(x, y)));
-    Ok(queries.filter_map(|query| tracer.trace(Arithmetic::Exact, &query)).map(|hit| hit.voxel).collect())
+    let tracer = scene::tracer(shown.geometry, &top);
+    let queries = picture::primary(shown, &args.camera, args.size)?;
+    Ok(queries.iter().filter_map(|query| tracer.trace(Arithmetic::Exact, query)).map(|hit| hit.voxel).collect())
 }
 
 /// Equal data must give equal pictures, bit for bit, through every layout and representation.

@@ -1,8 +1,12 @@
 //! A table of the report: rows of a scene and a configuration, a cell per resolution, for Markdown, CSV and JSON.
 
+use std::collections::BTreeSet;
+
 use serde::Serialize;
 
-/// A table, numbered as in the thesis; those that it does not have are numbered on from its last.
+use crate::measure::Spread;
+
+/// A table, numbered as in the thesis; those that it does not have are A.1 and so on.
 #[derive(Serialize)]
 pub struct Table {
     /// Such as `5.2`.
@@ -44,13 +48,10 @@ impl Cell {
         Cell { resolution, value, min: value, max: value, published: published.map(f64::from) }
     }
 
-    /// Of several runs, one or more.
-    pub fn of_runs(resolution: u32, runs: &[f64], published: Option<u32>) -> Cell {
-        let mut runs = runs.to_vec();
-        runs.sort_by(f64::total_cmp);
-        let (min, max) = (runs[0], runs[runs.len() - 1]);
-        let value = (runs[(runs.len() - 1) / 2] + runs[runs.len() / 2]) / 2.0;
-        Cell { resolution, value, min, max, published: published.map(f64::from) }
+    /// Of several runs.
+    pub fn spread(resolution: u32, runs: Spread, published: Option<u32>) -> Cell {
+        let Spread { median, min, max } = runs;
+        Cell { resolution, value: median, min, max, published: published.map(f64::from) }
     }
 }
 
@@ -58,15 +59,8 @@ impl Table {
     /// For people: the thesis's figures stand in brackets.
     pub fn markdown(&self) -> String {
         let mut text = format!("## Table {}: {} ({})\n\n", self.number, self.title, self.unit);
-        let resolutions: Vec<u32> = self.rows.iter().flat_map(|row| &row.cells).map(|cell| cell.resolution).fold(
-            Vec::new(),
-            |mut seen, resolution| {
-                if !seen.contains(&resolution) {
-                    seen.push(resolution);
-                }
-                seen
-            },
-        );
+        let resolutions: BTreeSet<u32> =
+            self.rows.iter().flat_map(|row| &row.cells).map(|cell| cell.resolution).collect();
         let columns: Vec<_> =
             resolutions.iter().map(|n| if *n == 0 { self.unit.to_owned() } else { format!("{n}^3") }).collect();
         text += &format!(
@@ -134,9 +128,9 @@ mod tests {
 
     #[test]
     fn a_cell_of_runs_is_their_median_and_spread() {
-        let cell = Cell::of_runs(256, &[9.0, 1.0, 4.0], None);
+        let cell = Cell::spread(256, Spread::of([9.0, 1.0, 4.0]), None);
         assert_eq!((cell.value, cell.min, cell.max), (4.0, 1.0, 9.0));
-        assert_eq!(Cell::of_runs(256, &[4.0, 1.0], None).value, 2.5);
+        assert_eq!(Cell::spread(256, Spread::of([4.0, 1.0]), None).value, 2.5);
     }
 
     #[test]
