@@ -2,7 +2,7 @@
 //! without.
 
 use voxdag::build::{BuildError, DagBuilder};
-use voxdag::geometry::AnyGeometry;
+use voxdag::layout::AnyGeometry;
 use voxdag::materials::Single;
 use voxdag::normal::{NormalKind, normal};
 use voxdag::rank::{MoxelDagBuf, OffsetsBuf};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use voxdag::Dag;
 use voxdag::build::{BuildError, DagBuf};
-use voxdag::geometry::AnyGeometry;
+use voxdag::layout::AnyGeometry;
 use voxdag::rank::{AnyRank, MoxelDagBuf, OffsetsBuf, Prefix, Totals};
 use voxdag::ssvdag::SsvdagBuf;
 use voxdag::svo::{Svo, SvoBuf};

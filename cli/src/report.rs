@@ -5,7 +5,7 @@ use std::io::{IsTerminal, Write};
 use std::path::Path;
 
 use serde::Serialize;
-use voxdag::geometry::AnyGeometry;
+use voxdag::layout::AnyGeometry;
 use voxdag::materials::AnyMaterials;
 
 use crate::error::{Error, Kind, Result};

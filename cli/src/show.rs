@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use clap::ValueEnum;
 use serde::Serialize;
-use voxdag::geometry::{AnyGeometry, Geometry};
+use voxdag::geometry::Geometry;
+use voxdag::layout::AnyGeometry;
 use voxdag::material::MaterialId;
 use voxdag::materials::Materials;
 use voxdag::math;

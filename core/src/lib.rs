@@ -66,6 +66,8 @@ pub mod svo;
 
 pub mod rank;
 
+pub mod layout;
+
 pub mod ranked;
 
 pub mod materials;

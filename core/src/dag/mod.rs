@@ -16,7 +16,9 @@
 //! so equal voxels give equal words. Differs from Kaempe: bricks of 4^3 (his leaves are 2^3), words instead of bytes.
 
 mod count;
+mod nodes;
 
+pub use crate::geometry::BRICK_LEVEL;
 pub use count::{LevelStats, Stats};
 
 use crate::geometry::{Bricks, Geometry, Voxels};
@@ -26,8 +28,6 @@ use crate::morton::{BITS, Morton};
 pub const HEADER: usize = 24;
 /// Marks a mask word.
 pub(crate) const NODE: u32 = 1 << 31;
-/// Octree level of a brick.
-pub const BRICK_LEVEL: u8 = 2;
 
 /// Number of set bits of every child mask; a look-up is faster than `count_ones` where the target has no such instruction.
 pub(crate) const ONES: [u8; 256] = {

@@ -30,8 +30,9 @@ pub use names::Name;
 pub use write::{Parts, WriteError};
 
 use crate::dag::Dag;
-use crate::geometry::{AnyGeometry, Geometry};
+use crate::geometry::Geometry;
 use crate::grid::{Bounds, Grid, UpAxis};
+use crate::layout::AnyGeometry;
 use crate::material::{Material, MaterialId};
 use crate::materials::{AnyMaterials, Single};
 use crate::rank::{AnyRank, Prefix, Totals};

@@ -3,9 +3,9 @@
 
 use super::error::{LoadError, Section};
 use super::{HEADER, MAGIC, RECORD, ROW, check, check_material, crc, encode_material};
-use crate::geometry::AnyGeometry;
 use crate::grid::UpAxis;
 use crate::grid::{Bounds, Grid};
+use crate::layout::AnyGeometry;
 use crate::material::Material;
 use crate::materials::AnyMaterials;
 use crate::rank::AnyRank;

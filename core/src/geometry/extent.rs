@@ -1,6 +1,6 @@
 //! The box around all filled voxels, by a walk that passes over what lies in the box already.
 
-use crate::dag::BRICK_LEVEL;
+use super::BRICK_LEVEL;
 use crate::geometry::Geometry;
 use crate::morton::Morton;
 

@@ -1,6 +1,6 @@
 //! Walks over all bricks and voxels of a geometry in Morton order, with a fixed stack.
 
-use crate::dag::BRICK_LEVEL;
+use super::BRICK_LEVEL;
 use crate::geometry::Geometry;
 use crate::morton::Morton;
 

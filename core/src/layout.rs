@@ -1,13 +1,13 @@
-//! Any geometry, for code that learns at run time which one a scene has.
+//! Any layout of voxels, for code that learns at run time which one a scene has.
 //!
 //! Queries match on the layout at every step; what traces many rays matches once, with [`match_geometry`](crate::match_geometry).
 
-use super::Geometry;
-#[cfg(feature = "alloc")]
-use super::Nodes;
 use crate::dag::Dag;
 #[cfg(feature = "alloc")]
 use crate::dag::{BRICK_LEVEL, LevelStats, Stats};
+use crate::geometry::Geometry;
+#[cfg(feature = "alloc")]
+use crate::geometry::Nodes;
 use crate::rank::{MoxelDag, Offsets};
 use crate::ssvdag::Ssvdag;
 use crate::svo::Svo;
@@ -27,11 +27,11 @@ pub enum AnyGeometry<'a> {
     MoxelDag(MoxelDag<'a>),
 }
 
-/// Runs the same expression for whatever layout an [`AnyGeometry`](crate::geometry::AnyGeometry) has, compiled once for
+/// Runs the same expression for whatever layout an [`AnyGeometry`](crate::layout::AnyGeometry) has, compiled once for
 /// each.
 ///
 /// ```
-/// # use voxdag::{build::DagBuilder, geometry::{AnyGeometry, Geometry}, match_geometry, Morton};
+/// # use voxdag::{build::DagBuilder, layout::AnyGeometry, match_geometry, Geometry, Morton};
 /// # let mut builder = DagBuilder::new(2).unwrap();
 /// # builder.push(Morton(0), 0b101).unwrap();
 /// # let built = builder.finish().unwrap();
@@ -42,11 +42,11 @@ pub enum AnyGeometry<'a> {
 macro_rules! match_geometry {
     ($geometry:expr, $g:ident => $body:expr) => {
         match $geometry {
-            $crate::geometry::AnyGeometry::Dag($g) => $body,
-            $crate::geometry::AnyGeometry::Ssvdag($g) => $body,
-            $crate::geometry::AnyGeometry::Svo($g) => $body,
-            $crate::geometry::AnyGeometry::Offsets($g) => $body,
-            $crate::geometry::AnyGeometry::MoxelDag($g) => $body,
+            $crate::layout::AnyGeometry::Dag($g) => $body,
+            $crate::layout::AnyGeometry::Ssvdag($g) => $body,
+            $crate::layout::AnyGeometry::Svo($g) => $body,
+            $crate::layout::AnyGeometry::Offsets($g) => $body,
+            $crate::layout::AnyGeometry::MoxelDag($g) => $body,
         }
     };
 }
