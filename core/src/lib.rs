@@ -76,6 +76,8 @@ pub mod materials;
 pub mod scene;
 
 // From rays to pixels.
+pub mod simd;
+
 pub mod trace;
 
 pub mod normal;

@@ -1,0 +1,60 @@
+//! Which vector instructions the kernels for many rays and many normals use.
+//!
+//! One source for all widths: kernels are generic over the instruction set, and a [`Level`], which is proof that the
+//! machine has it, chooses the copy that runs. Only operations that give the same bits in every lane of every set are used
+//! (+ - * / sqrt, comparisons, integers; never a fused or an approximate one), so results do not depend on the level.
+
+/// A set of vector instructions that this machine has.
+#[derive(Clone, Copy, Debug)]
+pub struct Level(fearless_simd::Level);
+
+impl Level {
+    /// The widest set: with feature `std` what the machine has, else what the program is compiled for. `None` if there is
+    /// none, as on microcontrollers.
+    pub fn best() -> Option<Level> {
+        let level = fearless_simd::Level::try_detect().unwrap_or(fearless_simd::Level::baseline());
+        (!level.is_fallback()).then_some(Level(level))
+    }
+
+    /// All sets that kernels can be told to use here, from the narrowest to the widest.
+    pub fn all() -> impl Iterator<Item = Level> {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        use fearless_simd::Simd;
+        let narrower = |level: fearless_simd::Level| -> [Option<fearless_simd::Level>; 4] {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            return [
+                level.as_sse2().map(|set| set.level()),
+                level.as_sse4_2().map(|set| set.level()),
+                level.as_avx2().map(|set| set.level()),
+                level.as_avx512().map(|set| set.level()),
+            ];
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+            return [Some(level), None, None, None];
+        };
+        Level::best().map(|level| narrower(level.0)).into_iter().flatten().flatten().map(Level)
+    }
+
+    /// Its name: `sse2`, `sse4.2`, `avx2`, `avx512`, `neon`, `simd128`.
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Sse2(_) => "sse2",
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Sse4_2(_) => "sse4.2",
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Avx2(_) => "avx2",
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            fearless_simd::Level::Avx512(_) => "avx512",
+            #[cfg(target_arch = "aarch64")]
+            fearless_simd::Level::Neon(_) => "neon",
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            fearless_simd::Level::WasmSimd128(_) => "simd128",
+            _ => "none",
+        }
+    }
+
+    /// What kernels are dispatched by.
+    pub(crate) fn token(self) -> fearless_simd::Level {
+        self.0
+    }
+}
