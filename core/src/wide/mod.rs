@@ -94,14 +94,14 @@ impl Geometry for Wide<'_> {
         }
         match node - self.starts[k] {
             at if level == BRICK_LEVEL => at % 2 == 0,
-            at if level % 2 == 0 => at % NODE_WORDS as u32 == 0,
+            at if level.is_multiple_of(2) => at.is_multiple_of(NODE_WORDS as u32),
             at => (0..8).any(|octant| at % NODE_WORDS as u32 == place(octant, 2)),
         }
     }
 
     #[inline]
     fn child(&self, node: u32, level: u8, octant: u32) -> Option<u32> {
-        if level % 2 == 0 {
+        if level.is_multiple_of(2) {
             // An octant that is empty says so in all of its cells.
             let child = node + place(octant, 2);
             (self.word(child) & (EMPTY_CELL | EMPTY_OCTANT) != EMPTY_CELL | EMPTY_OCTANT).then_some(child)

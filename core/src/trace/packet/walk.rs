@@ -227,7 +227,7 @@ impl<S: Simd> Packet<S> {
         let filled = eight >> (place & 7) & 1;
         let small = eight.simd_eq(zero).select(S::i32s::splat(simd, 2), one - filled);
         let open = word.simd_lt(zero);
-        (open.select(side, small), open.select(word * self.align >> 18 & 63, zero))
+        (open.select(side, small), open.select((word * self.align) >> 18 & 63, zero))
     }
 
     /// Leaves the boxes of all rays; gives the lanes that hit, those that missed, and those that cannot tell, which stay
