@@ -1,4 +1,9 @@
-//! The largest empty boxes in a grid of 4^3 cells, for all cells at once.
+//! How far the space ahead is empty in a grid of 4^3 cells or voxels, for all of them at once.
+//!
+//! Sets of cells are masks in the order x + 4 y + 16 z; a step to the neighbours is a shift.
+
+use super::BRICK_WORDS;
+use crate::morton::Morton;
 
 /// Bits of the cells that have a neighbour in negative and in positive direction along each axis.
 const INNER: [[u64; 2]; 3] = {
@@ -78,6 +83,42 @@ pub(super) fn boxes(empty: u64, octant: usize) -> [u8; 64] {
     boxes
 }
 
+/// Where the voxels of a mask in Morton order lie in the order of cells.
+const CELLS: [u8; 64] = {
+    let mut cells = [0; 64];
+    let mut bit = 0;
+    while bit < 64 {
+        let [x, y, z] = Morton(bit).decode();
+        cells[bit as usize] = (x + 4 * y + 16 * z) as u8;
+        bit += 1;
+    }
+    cells
+};
+
+/// A brick's words, for voxels in Morton order.
+pub(super) fn brick_words(voxels: u64) -> [u32; BRICK_WORDS] {
+    let (mut filled, mut codes) = (0, [0u16; 64]);
+    for (bit, &cell) in CELLS.iter().enumerate() {
+        filled |= (voxels >> bit & 1) << cell;
+        // Alike for all octants: 2 where the 2^3 around are empty, else 1.
+        let alike = if voxels >> (bit & 0o70) & 0xff == 0 { 0xaaaa } else { 0x5555 };
+        codes[usize::from(cell)] = if voxels >> bit & 1 != 0 { 0 } else { alike };
+    }
+    for octant in 0..8 {
+        // Whatever lies behind a filled voxel on some way to the octant has it ahead.
+        let mut ahead = filled;
+        for axis in 0..3 {
+            for _ in 0..3 {
+                ahead |= beside(ahead, axis, octant >> axis & 1);
+            }
+        }
+        for (cell, code) in codes.iter_mut().enumerate() {
+            *code |= (if ahead >> cell & 1 == 0 { 3 } else { 0 }) << (2 * octant);
+        }
+    }
+    core::array::from_fn(|pair| u32::from(codes[2 * pair]) | u32::from(codes[2 * pair + 1]) << 16)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -112,6 +153,41 @@ mod tests {
                     let largest = (0..64usize).map(|s| [1 + (s & 3), 1 + (s >> 2 & 3), 1 + (s >> 4)]);
                     let largest = largest.filter(|size| holds(*size)).map(volume).max();
                     assert_eq!(Some(volume(found)), largest, "{empty:x} {octant} {cell}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn bricks_say_what_is_empty() {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        for round in 0..if cfg!(miri) { 2 } else { 100 } {
+            let mut voxels = u64::MAX;
+            for _ in 0..round % 6 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                voxels &= state ^ state >> 29;
+            }
+            let filled = |p: [u32; 3]| voxels >> Morton::encode(p).unwrap().0 & 1 != 0;
+            let words = brick_words(voxels);
+            for cell in 0..64u32 {
+                let p = [cell & 3, cell >> 2 & 3, cell >> 4];
+                let among = |inside: &dyn Fn(usize, u32) -> bool| {
+                    (0..64u32)
+                        .map(|c| [c & 3, c >> 2 & 3, c >> 4])
+                        .filter(|q| (0..3).all(|i| inside(i, q[i])))
+                        .any(filled)
+                };
+                for octant in 0..8u32 {
+                    let code = words[cell as usize / 2] >> (16 * (cell & 1) + 2 * octant) & 3;
+                    let ahead = among(&|i, x| if octant >> i & 1 != 0 { x >= p[i] } else { x <= p[i] });
+                    let around = among(&|i, x| x / 2 == p[i] / 2);
+                    let expected = match (filled(p), ahead, around) {
+                        (true, ..) => 0,
+                        (_, false, _) => 3,
+                        (_, _, false) => 2,
+                        _ => 1,
+                    };
+                    assert_eq!(code, expected, "{voxels:x}, cell {cell}, octant {octant}");
                 }
             }
         }

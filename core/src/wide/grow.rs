@@ -2,8 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::boxes::boxes;
-use super::{EMPTY_CELL, EMPTY_OCTANT, NODE_WORDS, Wide, place};
+use super::boxes::{boxes, brick_words};
+use super::{BRICK_WORDS, EMPTY_CELL, EMPTY_OCTANT, NODE_WORDS, Wide, place};
 use crate::geometry::{BRICK_LEVEL, Geometry};
 
 /// A wide tree that owns its words.
@@ -45,7 +45,7 @@ impl WideBuf {
             below.dedup();
 
             // Write the nodes; those below them follow in their order.
-            let words = if level - 2 == BRICK_LEVEL { 2 } else { NODE_WORDS };
+            let words = if level - 2 == BRICK_LEVEL { BRICK_WORDS } else { NODE_WORDS };
             let first = tree.words.len() + NODE_WORDS * nodes.len();
             let needed = size_of::<u32>() * (first + words * below.len());
             if needed > limit || first + words * below.len() > EMPTY_CELL as usize {
@@ -73,15 +73,19 @@ impl WideBuf {
             nodes = below;
             tree.starts[usize::from(level / 2 - 1)] = first as u32;
         }
-        let needed = tree.bytes() + size_of::<u64>() * nodes.len();
-        if needed > limit || tree.words.try_reserve(2 * nodes.len()).is_err() {
+        let needed = tree.bytes() + size_of::<u32>() * (BRICK_WORDS + 2) * nodes.len();
+        let words = (BRICK_WORDS + 2) * nodes.len();
+        if needed > limit || tree.words.len() + words > EMPTY_CELL as usize || tree.words.try_reserve(words).is_err() {
             return Err(needed);
         }
+        for &brick in &nodes {
+            tree.words.extend_from_slice(&brick_words(geometry.brick_at(brick)));
+        }
+        tree.starts[0] = tree.words.len() as u32;
         for brick in nodes {
             let voxels = geometry.brick_at(brick);
             tree.words.extend([voxels as u32, (voxels >> 32) as u32]);
         }
-        tree.starts[0] = tree.words.len() as u32;
         Ok(tree)
     }
 

@@ -10,7 +10,10 @@
 //!          and words n + 64 .. n + 128, the same for the others
 //!          filled: the child's first word        empty: 1 << 31 | 1 << 24 if all of the octant is | box << 6 o
 //!          o = (dx >= 0) + 2 (dy >= 0), box = cells along x | y << 2 | z << 4, less one each
-//! brick b  words b and b + 1: 64 voxels in Morton order, low word first
+//! brick b  words b .. b + 32, one per pair of voxels x / 2 + 2 y + 8 z, 16 bits for each, the even one first,
+//!          of these two for each octant o = (dx >= 0) + 2 (dy >= 0) + 4 (dz >= 0) at bit 2 o:
+//!          0 filled, 1 empty, 2 the 2^3 around are empty, 3 all of the brick ahead is
+//! masks    after the bricks, in their order: 64 voxels in Morton order, low word first
 //! ```
 //! As a [`Geometry`] a node of odd level h is the first of the eight cells of its octant in the node of level h + 1.
 
@@ -28,8 +31,9 @@ use crate::geometry::{BRICK_LEVEL, Geometry};
 const EMPTY_CELL: u32 = 1 << 31;
 /// Marks a cell of an empty octant.
 const EMPTY_OCTANT: u32 = 1 << 24;
-/// Words of a node.
+/// Words of a node, and of a brick without its mask.
 const NODE_WORDS: usize = 128;
+const BRICK_WORDS: usize = 32;
 
 /// The view of a `WideBuf` that answers queries.
 ///
@@ -40,14 +44,14 @@ const NODE_WORDS: usize = 128;
 /// builder.push(Morton(64), 0b11)?;
 /// let wide = WideBuf::new(&builder.finish()?.dag(), usize::MAX).unwrap();
 /// assert!(wide.as_wide().contains(Morton(65)));
-/// assert_eq!(wide.as_wide().bytes(), 4 * (128 + 2)); // a node, and one brick for both
+/// assert_eq!(wide.as_wide().bytes(), 4 * (128 + 32 + 2)); // a node, and one brick for both
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<'a> {
     words: &'a [u32],
     depth: u8,
-    /// Where the nodes of level 2 k begin, the bricks at k = 1; those of the level below end there.
+    /// Where the nodes of level 2 k begin, the bricks at k = 1 and the masks at 0; those of the level above end there.
     starts: &'a [u32; 13],
 }
 
@@ -93,7 +97,7 @@ impl Geometry for Wide<'_> {
             return false;
         }
         match node - self.starts[k] {
-            at if level == BRICK_LEVEL => at % 2 == 0,
+            at if level == BRICK_LEVEL => at.is_multiple_of(BRICK_WORDS as u32),
             at if level.is_multiple_of(2) => at.is_multiple_of(NODE_WORDS as u32),
             at => (0..8).any(|octant| at % NODE_WORDS as u32 == place(octant, 2)),
         }
@@ -117,7 +121,8 @@ impl Geometry for Wide<'_> {
 
     #[inline]
     fn brick_at(&self, brick: u32) -> u64 {
-        let pair = self.words.get(brick as usize..).and_then(|rest| rest.first_chunk());
+        let number = brick.saturating_sub(self.starts[1]) as usize / BRICK_WORDS;
+        let pair = self.words.get(self.starts[0] as usize + 2 * number..).and_then(|rest| rest.first_chunk());
         pair.map_or(0, |&[low, high]| u64::from(low) | u64::from(high) << 32)
     }
 

@@ -54,7 +54,8 @@ fn places_are_off_by_less_than_the_bound_and_come_near_to_what_was_derived() {
                 let truth = query.origin[b] + query.dir[b] * time - f64::from(voxel[b]) - 0.5;
                 let bound = (0.5 - f64::from(walks.half[k])) + f64::from(now) * 8.0 * V;
                 assert!((place - truth).abs() < bound, "{query:?}: off by {} of {bound}", (place - truth).abs());
-                worst = worst.max((place - truth).abs() / (6.1 * V * f64::from(now) + bound - f64::from(now) * 8.0 * V));
+                worst =
+                    worst.max((place - truth).abs() / (6.1 * V * f64::from(now) + bound - f64::from(now) * 8.0 * V));
             }
         }
     }

@@ -75,8 +75,8 @@ struct Packet<S: Simd> {
     /// Where the top grid for its octant begins, and half a node of the wide tree for it.
     octant: S::i32s,
     part: S::i32s,
-    /// Moves the octant's box in a word of the wide tree to bit 18.
-    align: S::i32s,
+    /// Factors that move what a word of the wide tree says for the octant: of a node to bit 18, of a brick to bit 14.
+    align: [S::i32s; 2],
     half: S::f32s,
     stop: S::f32s,
     end: S::f32s,
@@ -147,7 +147,7 @@ impl<S: Simd> Packet<S> {
             up: [int; 3],
             octant: int,
             part: int,
-            align: int,
+            align: [int; 2],
             half: zero,
             stop: zero,
             end: zero,
@@ -186,10 +186,12 @@ impl<S: Simd> Packet<S> {
         }
         self.octant = octant << (3 * tables.bits);
         self.part = octant << 4 & 64;
-        let (six, twelve) = (S::i32s::splat(simd, 1 << 6), S::i32s::splat(simd, 1 << 12));
         let one = S::i32s::splat(simd, 1);
-        let x = (octant & 1).simd_eq(0).select(six, one);
-        self.align = (octant & 2).simd_eq(0).select(x * twelve, x);
+        let behind = |bit: i32| (octant & bit).simd_eq(0);
+        self.align = [
+            behind(1).select(one << 6, one) * behind(2).select(one << 12, one),
+            behind(1).select(one << 2, one) * behind(2).select(one << 4, one) * behind(4).select(one << 8, one),
+        ];
         load(simd, &walks.half, from, mask, &mut self.half);
         load(simd, &walks.stop, from, mask, &mut self.stop);
         load(simd, &walks.end, from, mask, &mut self.end);
@@ -207,7 +209,7 @@ impl<S: Simd> Packet<S> {
     /// is empty ahead, in the code of the wide tree. Negative words, of empty cells of the grid, give anything.
     #[inline(always)]
     fn below(&self, simd: S, tables: &Tables<'_>, cell: S::i32s) -> (S::i32s, S::i32s) {
-        let (zero, one) = (S::i32s::splat(simd, 0), S::i32s::splat(simd, 1));
+        let zero = S::i32s::splat(simd, 0);
         let [x, y, z] = self.voxel;
         // Go down to the brick. What has met an empty cell looks on at node 0, and what it sees does not count.
         let (mut word, mut side) = (cell, zero);
@@ -220,14 +222,13 @@ impl<S: Simd> Packet<S> {
             side = open.select(side, S::i32s::splat(simd, 1 << level));
             word = open.select(word, below);
         }
-        // Look at the voxel and at the 2^3 around it.
-        let place = (x & 1) | (y & 1) << 1 | (z & 1) << 2 | (x & 2) << 2 | (y & 2) << 3 | (z & 2) << 4;
-        let half = gather(simd, tables.words, word.max(zero) + (place >> 5));
-        let eight = half >> (place & 24) & 0xff;
-        let filled = eight >> (place & 7) & 1;
-        let small = eight.simd_eq(zero).select(S::i32s::splat(simd, 2), one - filled);
+        // Look at the voxel: filled, or how much around and ahead of it is empty.
+        let place = (x & 3) >> 1 | (y & 3) << 1 | (z & 3) << 3;
+        let pair = gather(simd, tables.words, word.max(zero) + place);
+        let own = (x & 1).simd_eq(zero).select(pair, pair >> 16);
+        let code = (own * self.align[1]) >> 14 & 3;
         let open = word.simd_lt(zero);
-        (open.select(side, small), open.select((word * self.align) >> 18 & 63, zero))
+        (open.select(side, code + (code >> 1 & code)), open.select((word * self.align[0]) >> 18 & 63, zero))
     }
 
     /// Leaves the boxes of all rays; gives the lanes that hit, those that missed, and those that cannot tell, which stay
