@@ -220,6 +220,26 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         }
     }
 
+    /// Whether the ray of every query meets any filled voxel; `blocked[i]` becomes the answer to `queries[i]`, as far as both
+    /// slices reach.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let rays = [Query::new([0.5, 0.5, 9.0], [0.0, 0.0, -2.0]), Query::new([1.5, 0.5, 9.0], [0.0, 0.0, -2.0])];
+    /// let mut blocked = [false; 2];
+    /// tracer.occluded_many(Arithmetic::Exact, &rays, &mut blocked);
+    /// assert_eq!(blocked, [true, false]);
+    /// ```
+    pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
+        for (query, blocked) in queries.iter().zip(blocked) {
+            *blocked = self.occluded(arithmetic, query);
+        }
+    }
+
     /// Whether there is a top grid that this query can use.
     #[inline]
     fn serves(&self, query: &Query) -> bool {

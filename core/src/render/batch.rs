@@ -1,0 +1,204 @@
+//! Samples that are traced and shaded together, stage by stage.
+//!
+//! In: rays, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface it is of. First
+//! all rays, then all materials, all normals, and light by light the shadow rays of the surfaces that face it, and its
+//! light: the tracer and the normals get all they need at once, whatever pixels it is for. Entry `i` of every array is of
+//! one sample; what is not shaded leaves no gap.
+
+use super::sampling::Seen;
+use super::{Settings, View, shadow};
+use crate::geometry::Geometry;
+use crate::grid::Grid;
+use crate::material::{Material, MaterialId};
+use crate::materials::Materials;
+use crate::math;
+use crate::morton::Morton;
+use crate::normal::{self, Confidence, Normal, NormalKind};
+use crate::shade::{self, Incidence, Light, LightKind, Surface};
+use crate::trace::{Arithmetic, Face, Hit, Query, Tracer};
+
+/// Most samples of a batch.
+pub(super) const SAMPLES: usize = 256;
+
+/// Room for samples, and for what becomes of them.
+pub(super) struct Batch {
+    count: usize,
+    pixels: [u8; SAMPLES],
+    /// The samples' rays, and afterwards those of their shadows; what either met.
+    rays: [Query; SAMPLES],
+    met: [Option<Hit>; SAMPLES],
+    blocked: [bool; SAMPLES],
+    // What is shaded.
+    hits: [Hit; SAMPLES],
+    dirs: [[f64; 3]; SAMPLES],
+    /// Where the ray met the voxel, in grid coordinates.
+    points: [[f64; 3]; SAMPLES],
+    materials: [MaterialId; SAMPLES],
+    normals: [Normal; SAMPLES],
+    colors: [[f32; 3]; SAMPLES],
+    /// The samples whose shadow rays are on their way, and the light that they wait for.
+    waiting: [(u8, Incidence); SAMPLES],
+}
+
+const NO_RAY: Query = Query { origin: [0.0; 3], dir: [0.0; 3], t_min: 0.0, t_max: 0.0, min_level: 0, start: None };
+const NO_HIT: Hit = Hit { voxel: Morton(0), from: None, t: 0.0, level: 0, face: Face::Inside };
+const NO_NORMAL: Normal = Normal { direction: [0.0; 3], confidence: Confidence::Face };
+const NO_LIGHT: Incidence = Incidence { direction: [0.0; 3], cosine: 0.0 };
+
+impl Batch {
+    pub fn new() -> Batch {
+        Batch {
+            count: 0,
+            pixels: [0; SAMPLES],
+            rays: [NO_RAY; SAMPLES],
+            met: [None; SAMPLES],
+            blocked: [false; SAMPLES],
+            hits: [NO_HIT; SAMPLES],
+            dirs: [[0.0; 3]; SAMPLES],
+            points: [[0.0; 3]; SAMPLES],
+            materials: [0; SAMPLES],
+            normals: [NO_NORMAL; SAMPLES],
+            colors: [[0.0; 3]; SAMPLES],
+            waiting: [(0, NO_LIGHT); SAMPLES],
+        }
+    }
+
+    /// Adds a sample; the batch must not be full.
+    #[inline]
+    pub fn push(&mut self, pixel: u8, ray: Query) {
+        self.pixels[self.count] = pixel;
+        self.rays[self.count] = ray;
+        self.count += 1;
+    }
+
+    pub fn len(&self) -> usize {
+        self.count
+    }
+
+    pub fn is_full(&self) -> bool {
+        self.count == SAMPLES
+    }
+
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Follows all rays and leaves the samples that are to be shaded: hits that `keep` wants, which is asked of every sample
+    /// by its pixel and what it met.
+    pub fn trace<G: Geometry>(
+        &mut self,
+        tracer: &Tracer<'_, G>,
+        arithmetic: Arithmetic,
+        mut keep: impl FnMut(u8, Option<&Hit>) -> bool,
+    ) {
+        tracer.trace_many(arithmetic, &self.rays[..self.count], &mut self.met);
+        let mut kept = 0;
+        for i in 0..self.count {
+            let (pixel, met) = (self.pixels[i], self.met[i]);
+            if let (true, Some(hit)) = (keep(pixel, met.as_ref()), met) {
+                let ray = &self.rays[i];
+                self.pixels[kept] = pixel;
+                self.hits[kept] = hit;
+                self.dirs[kept] = ray.dir;
+                self.points[kept] = math::add_scaled(ray.origin, ray.dir, hit.t);
+                kept += 1;
+            }
+        }
+        self.count = kept;
+    }
+
+    /// Works out what all samples send back along their rays. Returns how many shadow rays that took.
+    pub fn shade<M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, settings: &Settings) -> u64 {
+        let hits = &self.hits[..self.count];
+        for (id, hit) in self.materials.iter_mut().zip(hits) {
+            *id = view.materials.id(hit.voxel);
+        }
+        normals(&view.tracer, view.materials, hits, &self.dirs, settings.normals, &mut self.normals);
+        for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
+            *color = shade::glow(material(view.palette, *id), settings.ambient);
+        }
+        view.lights.iter().map(|light| self.light(view, settings.arithmetic, light)).sum()
+    }
+
+    /// Adds a light to the colour of the samples that it reaches. Returns the number of its shadow rays.
+    fn light<M: Materials, G: Geometry>(
+        &mut self,
+        view: &View<'_, M, G>,
+        arithmetic: Arithmetic,
+        light: &Light,
+    ) -> u64 {
+        let in_grid = match light.kind {
+            LightKind::Point(position) => LightKind::Point(view.grid.to_grid(position)),
+            sun => sun,
+        };
+        let mut waiting = 0;
+        for i in 0..self.count {
+            let surface = self.surface(i, &view.grid);
+            let Some(incidence) = light.falls_on(&surface) else { continue };
+            let ray = if light.shadow { shadow::towards(&in_grid, &self.hits[i], self.points[i]) } else { None };
+            if let Some(ray) = ray {
+                self.rays[waiting] = ray;
+                self.waiting[waiting] = (i as u8, incidence);
+                waiting += 1;
+            } else {
+                self.reflect(i, view.palette, &surface, light, incidence);
+            }
+        }
+
+        view.tracer.occluded_many(arithmetic, &self.rays[..waiting], &mut self.blocked);
+        for ray in 0..waiting {
+            if !self.blocked[ray] {
+                let (i, incidence) = self.waiting[ray];
+                let i = usize::from(i);
+                self.reflect(i, view.palette, &self.surface(i, &view.grid), light, incidence);
+            }
+        }
+        waiting as u64
+    }
+
+    /// What is lit of a sample.
+    #[inline]
+    fn surface(&self, i: usize, grid: &Grid) -> Surface {
+        let back = math::normalize(self.dirs[i].map(|x| -x)).unwrap_or([0.0; 3]);
+        Surface {
+            point: grid.to_world(self.points[i]),
+            normal: self.normals[i].direction,
+            view: back.map(|x| x as f32),
+        }
+    }
+
+    /// Adds to a sample's colour what it sends back of a light that reaches it.
+    #[inline]
+    fn reflect(&mut self, i: usize, palette: &[Material], surface: &Surface, light: &Light, incidence: Incidence) {
+        let material = material(palette, self.materials[i]);
+        self.colors[i] = shade::reflect(self.colors[i], material, surface, light, incidence);
+    }
+
+    /// The samples that were shaded, in the order in which they came: pixel, linear colour, surface.
+    pub fn shaded(&self) -> impl Iterator<Item = (u8, [f32; 3], Seen)> {
+        (0..self.count).map(|i| {
+            let (material, normal) = (self.materials[i], self.normals[i].direction);
+            (self.pixels[i], self.colors[i], Seen { voxel: self.hits[i].voxel, material, normal })
+        })
+    }
+}
+
+/// A material of a palette; beyond its end grey.
+#[inline]
+fn material(palette: &[Material], id: MaterialId) -> &Material {
+    palette.get(usize::from(id)).unwrap_or(&Material::GREY)
+}
+
+/// The normals at hits; `dirs[i]` is the direction of the ray that found `hits[i]`.
+fn normals<M: Materials, G: Geometry>(
+    tracer: &Tracer<'_, G>,
+    materials: M,
+    hits: &[Hit],
+    dirs: &[[f64; 3]],
+    kind: NormalKind,
+    out: &mut [Normal],
+) {
+    for ((hit, dir), out) in hits.iter().zip(dirs).zip(out) {
+        *out = normal::normal(tracer, materials, hit, *dir, kind);
+    }
+}
