@@ -1,9 +1,9 @@
 //! Samples that are traced and shaded together, stage by stage.
 //!
 //! In: rays, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface it is of. First
-//! all rays, then all materials, all normals, and light by light the shadow rays of the surfaces that face it, and its
-//! light: the tracer and the normals get all they need at once, whatever pixels it is for. Entry `i` of every array is of
-//! one sample; what is not shaded leaves no gap.
+//! all rays, then all materials, all normals, where shadow rays start, and light by light the shadow rays of the surfaces
+//! that face it, and its light: the tracer and the normals get all they need at once, whatever pixels it is for. Entry `i`
+//! of every array is of one sample; what is not shaded leaves no gap.
 
 use super::sampling::Seen;
 use super::{Settings, View, shadow};
@@ -24,7 +24,7 @@ pub(super) const SAMPLES: usize = 256;
 pub(super) struct Batch {
     count: usize,
     pixels: [u8; SAMPLES],
-    /// The samples' rays, and afterwards those of their shadows; what either met.
+    /// The samples' rays, and what they met; afterwards those of their shadows, and whether they met something.
     rays: [Query; SAMPLES],
     met: [Option<Hit>; SAMPLES],
     blocked: [bool; SAMPLES],
@@ -36,6 +36,8 @@ pub(super) struct Batch {
     materials: [MaterialId; SAMPLES],
     normals: [Normal; SAMPLES],
     colors: [[f32; 3]; SAMPLES],
+    /// Whether shadow rays start above the point.
+    above: [bool; SAMPLES],
     /// The samples whose shadow rays are on their way, and the light that they wait for.
     waiting: [(u8, Incidence); SAMPLES],
 }
@@ -59,6 +61,7 @@ impl Batch {
             materials: [0; SAMPLES],
             normals: [NO_NORMAL; SAMPLES],
             colors: [[0.0; 3]; SAMPLES],
+            above: [false; SAMPLES],
             waiting: [(0, NO_LIGHT); SAMPLES],
         }
     }
@@ -117,7 +120,41 @@ impl Batch {
         for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
             *color = shade::glow(material(view.palette, *id), settings.ambient);
         }
+        if view.lights.iter().any(|light| light.shadow) {
+            self.rise(&view.tracer, settings.arithmetic);
+        }
         view.lights.iter().map(|light| self.light(view, settings.arithmetic, light)).sum()
+    }
+
+    /// Finds out from where the samples' shadow rays start.
+    fn rise<G: Geometry>(&mut self, tracer: &Tracer<'_, G>, arithmetic: Arithmetic) {
+        let mut waiting = 0;
+        for i in 0..self.count {
+            let (hit, point) = (&self.hits[i], self.points[i]);
+            let above = shadow::above(hit, point, &self.normals[i]);
+            let way = above.and_then(|above| shadow::from_hit(hit, point, &LightKind::Point(above)));
+            // Without a ray nothing is in the way.
+            self.above[i] = above.is_some();
+            if let Some(ray) = way {
+                self.rays[waiting] = ray;
+                self.waiting[waiting].0 = i as u8;
+                waiting += 1;
+            }
+        }
+        tracer.occluded_many(arithmetic, &self.rays[..waiting], &mut self.blocked);
+        for ray in 0..waiting {
+            self.above[usize::from(self.waiting[ray].0)] = !self.blocked[ray];
+        }
+    }
+
+    /// The shadow ray of a sample to a light in grid coordinates; `None` if nothing is in its way.
+    #[inline]
+    fn shadow(&self, i: usize, light: &LightKind) -> Option<Query> {
+        let (hit, point) = (&self.hits[i], self.points[i]);
+        match shadow::above(hit, point, &self.normals[i]) {
+            Some(above) if self.above[i] => Some(shadow::from(above, light)),
+            _ => shadow::from_hit(hit, point, light),
+        }
     }
 
     /// Adds a light to the colour of the samples that it reaches. Returns the number of its shadow rays.
@@ -135,8 +172,9 @@ impl Batch {
         for i in 0..self.count {
             let surface = self.surface(i, &view.grid);
             let Some(incidence) = light.falls_on(&surface) else { continue };
-            let ray = if light.shadow { shadow::towards(&in_grid, &self.hits[i], self.points[i]) } else { None };
-            if let Some(ray) = ray {
+            if light.shadow
+                && let Some(ray) = self.shadow(i, &in_grid)
+            {
                 self.rays[waiting] = ray;
                 self.waiting[waiting] = (i as u8, incidence);
                 waiting += 1;

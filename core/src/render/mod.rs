@@ -96,7 +96,7 @@ pub struct View<'a, M, G = Dag<'a>> {
 pub struct Counters {
     /// Rays from the camera.
     pub primary: u64,
-    /// Rays towards lights that cast shadows, from surfaces that face them.
+    /// Rays towards lights that cast shadows, from surfaces that face them; without the short ones to where they start.
     pub shadow: u64,
     /// Rays from surfaces elsewhere.
     pub secondary: u64,
