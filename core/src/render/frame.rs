@@ -59,6 +59,7 @@ impl core::fmt::Display for RenderError {
 impl core::error::Error for RenderError {}
 
 /// What all pixels of a picture share.
+#[derive(Debug)]
 pub(super) struct Frame {
     rays: Rays,
     /// The camera's eye in grid coordinates.
@@ -96,7 +97,7 @@ impl Frame {
 }
 
 /// A pixel, as the rays that pass through it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Pixel<'a> {
     frame: &'a Frame,
     corner: [f64; 2],
