@@ -110,7 +110,7 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
             match hit {
                 Some(hit) => {
                     counters.hits += 1;
-                    pixel.counts(hit, settings)
+                    pixel.shows(hit, settings)
                 }
                 None => {
                     pixel.add(*background, None, smooth);
@@ -128,7 +128,7 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
 
 impl Pixel {
     /// Whether a hit is to be seen, or only told that the pixel takes all samples, of which it is none.
-    fn counts(&mut self, hit: &Hit, settings: &Settings) -> bool {
+    fn shows(&mut self, hit: &Hit, settings: &Settings) -> bool {
         if self.plan.all || !settings.supersample.chooses(hit.voxel) {
             return true;
         }
