@@ -4,6 +4,7 @@ mod along;
 #[cfg(all(test, feature = "alloc"))]
 mod edge;
 mod exact;
+pub mod packet;
 mod ray;
 mod top;
 mod walk;
@@ -238,6 +239,19 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         for (query, blocked) in queries.iter().zip(blocked) {
             *blocked = self.occluded(arithmetic, query);
         }
+    }
+
+    /// By packets.
+    pub fn trace_packets(
+        &self,
+        level: crate::simd::Level,
+        wide: &crate::wide::Wide<'a>,
+        exact: bool,
+        queries: &[Query],
+        hits: &mut [Option<Hit>],
+    ) {
+        let Some(top) = &self.top else { return };
+        packet::trace(self, level, top, wide, exact, queries, hits);
     }
 
     /// Whether there is a top grid that this query can use.

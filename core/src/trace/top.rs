@@ -133,6 +133,18 @@ impl<'a> Top<'a> {
         self.level + self.bits == geometry.depth().max(BRICK_LEVEL) && self.words.iter().all(|&word| known(word))
     }
 
+    /// Its words.
+    #[inline(always)]
+    pub(super) fn words(&self) -> &'a [u32] {
+        self.words
+    }
+
+    /// Cells along an axis, as a power of two.
+    #[inline(always)]
+    pub(super) fn bits(&self) -> u8 {
+        self.bits
+    }
+
     /// Octree level of a cell.
     #[inline(always)]
     pub(super) fn level(&self) -> usize {

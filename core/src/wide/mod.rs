@@ -1,0 +1,100 @@
+//! The wide tree: two octree levels to a node, all 4^3 children named, for rays that go down many at a time.
+//!
+//! In: a geometry of any layout. Out: the same voxels, derived when a scene is loaded, not stored, and optional. Nodes that
+//! were shared stay shared. Each child has a word of its own, so that a step down is one look-up without a count of
+//! bits, and an empty one says at once how large the empty cube around it is. Where the depth is odd, the root is the
+//! first octant of a node one level higher.
+//!
+//! ```text
+//! node n   of even level h: words n .. n + 64, one per child cell x + 4 y + 16 z of level h - 2
+//!          filled: the child's node, or its brick's number where h = 4
+//!          empty:  1 << 31 | side of the largest empty octree cube around the cell, 2^(h - 2) or 2^(h - 1)
+//! brick b  words b and b + 1: 64 voxels in Morton order, low word first
+//! ```
+//! As a [`Geometry`] a node of odd level h is the first of the eight cells of its octant in the node of level h + 1.
+
+#[cfg(feature = "alloc")]
+mod grow;
+
+#[cfg(feature = "alloc")]
+pub use grow::WideBuf;
+
+use crate::geometry::{BRICK_LEVEL, Geometry};
+
+/// Marks an empty cell.
+pub(crate) const EMPTY_CELL: u32 = 1 << 31;
+
+/// The view of a [`WideBuf`] that answers queries.
+#[derive(Clone, Copy, Debug)]
+pub struct Wide<'a> {
+    words: &'a [u32],
+    depth: u8,
+}
+
+impl<'a> Wide<'a> {
+    /// The nodes' words.
+    #[inline(always)]
+    pub(crate) fn words(&self) -> &'a [u32] {
+        self.words
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.words)
+    }
+
+    fn word(&self, at: u32) -> u32 {
+        self.words.get(at as usize).copied().unwrap_or(EMPTY_CELL)
+    }
+}
+
+/// The place of an octant's first cell of a lower level among the 4^3, times `scale`: 2 for octants of the node, 1 for
+/// those of an octant.
+#[inline(always)]
+fn place(octant: u32, scale: u32) -> u32 {
+    ((octant & 1) | (octant & 2) << 1 | (octant & 4) << 2) * scale
+}
+
+impl Geometry for Wide<'_> {
+    #[inline]
+    fn depth(&self) -> u8 {
+        self.depth
+    }
+
+    #[inline]
+    fn is_empty(&self) -> bool {
+        self.words.is_empty()
+    }
+
+    #[inline]
+    fn root(&self) -> u32 {
+        0
+    }
+
+    fn is_node(&self, node: u32, level: u8) -> bool {
+        let _ = level;
+        (node as usize) < self.words.len()
+    }
+
+    #[inline]
+    fn child(&self, node: u32, level: u8, octant: u32) -> Option<u32> {
+        if level % 2 == 0 {
+            // An octant that is empty says so in all of its cells.
+            let child = node + place(octant, 2);
+            (self.word(child) != EMPTY_CELL | 1 << (level - 1)).then_some(child)
+        } else {
+            let word = self.word(node + place(octant, 1));
+            (word & EMPTY_CELL == 0).then_some(word)
+        }
+    }
+
+    fn mask(&self, node: u32, level: u8) -> u8 {
+        (0..8).filter(|octant| self.child(node, level, *octant).is_some()).fold(0, |mask, octant| mask | 1 << octant)
+    }
+
+    #[inline]
+    fn brick_at(&self, brick: u32) -> u64 {
+        let words = self.words.get(brick as usize..).and_then(|rest| rest.first_chunk());
+        words.map_or(0, |&[low, high]| u64::from(low) | u64::from(high) << 32)
+    }
+}
