@@ -216,6 +216,49 @@ fn a_tilted_floor_is_drawn_as_without_shadows() {
     assert!(stepped > 20, "seed {SEED}: only {stepped} pictures of the steps have shadows");
 }
 
+/// Between two balls' shells, closed and as thin as can be, so close that above the steps of one lies the other: no light
+/// from outside gets in.
+#[test]
+fn no_light_passes_a_closed_wall() {
+    const SEED: u64 = 8;
+    let mut rng = Rng::new(SEED);
+    let center = [32.3, 31.8, 32.1];
+    let passes = |v: [u32; 3], radius: f64| {
+        let mut sides = cube(2).map(|corner| {
+            let from_center = [0, 1, 2].map(|i| f64::from(v[i] + corner[i]) - center[i]);
+            dot(from_center, from_center) > radius * radius
+        });
+        let first = sides.next();
+        sides.any(|outside| Some(outside) != first)
+    };
+    let grid = Grid { resolution: 64, ..GRID };
+    let (mut rays, mut pictures) = (0, 0);
+    for gap in [2.3, 3.0, 4.0] {
+        let shells: Vec<_> = cube(64).filter(|&v| passes(v, 20.0) || passes(v, 20.0 + gap)).collect();
+        for _ in 0..12 {
+            // From an empty voxel in the gap along it.
+            let out = normalize(rng.direction()).unwrap();
+            let eye = add_scaled(center, out, 20.0 + 0.5 * gap);
+            if shells.contains(&eye.map(|x| x as u32)) {
+                continue;
+            }
+            let across = normalize(voxdag::math::cross(out, [0.3, 1.0, 0.2])).unwrap();
+            let [eye, target] = [eye, add_scaled(eye, across, 9.0)].map(|p| grid.to_world(p));
+            let camera = Camera { eye, target, up: out, fov_y: 80.0 };
+            let scene = Scene::new(shells.iter().copied(), grid, camera);
+            let lights = [sun(out), sun(add_scaled(out, across, 1.0)), lamp(&grid, add_scaled(center, out, 40.0))];
+            for normals in [NormalKind::Face, NormalKind::Plane2] {
+                let (found, counters) = scene.drawn(normals, Samples::One, &lights);
+                let (dark, _) = scene.drawn(normals, Samples::One, &[]);
+                assert!(found == dark, "seed {SEED}: gap {gap}, {normals:?}, {camera:?}");
+                rays += counters.shadow;
+                pictures += 1;
+            }
+        }
+    }
+    assert!(rays > 50_000 && pictures > 30, "{rays} rays in {pictures} pictures");
+}
+
 /// A ball is convex, so where it faces the light nothing shades it. Its voxels are steps, and shade each other.
 #[test]
 fn a_ball_shades_its_own_lit_side_so_much_and_no_more() {
