@@ -1,4 +1,4 @@
-//! Making a wide tree from a geometry, level by level from the root.
+//! Making a wide tree: from the root down, two levels at a time, each node once.
 
 use alloc::vec::Vec;
 
@@ -10,103 +10,90 @@ use crate::geometry::{BRICK_LEVEL, Geometry};
 pub struct WideBuf {
     words: Vec<u32>,
     depth: u8,
-}
-
-/// Room for `len` items, or the number of bytes that could not be had.
-fn room<T>(len: usize) -> Result<Vec<T>, usize> {
-    let mut list = Vec::new();
-    list.try_reserve_exact(len).map_err(|_| len.saturating_mul(size_of::<T>()))?;
-    Ok(list)
+    starts: [u32; 13],
 }
 
 impl WideBuf {
-    /// The wide tree of a geometry; `Err` with the number of bytes that it needs if they are more than `limit`, or cannot
-    /// be had.
+    /// The wide tree of a geometry; `Err` with a number of bytes that it needs at least, if they are more than `limit`,
+    /// cannot be had, or are beyond 2^33. While it is made, it takes up to twice as much.
     pub fn new<G: Geometry>(geometry: &G, limit: usize) -> Result<WideBuf, usize> {
         let depth = geometry.depth();
-        let mut tree = WideBuf { words: Vec::new(), depth };
+        let mut tree = WideBuf { words: Vec::new(), depth, starts: [0; 13] };
         if geometry.is_empty() {
             return Ok(tree);
         }
-        // The nodes of each level that becomes one of the tree's, in the order of their numbers.
-        let top = depth.max(BRICK_LEVEL).next_multiple_of(2);
-        let mut nodes = room(1)?;
+        // The nodes of a level, in the order of their numbers.
+        let mut nodes = Vec::new();
+        nodes.try_reserve(1).map_err(|_| size_of::<u32>())?;
         nodes.push(geometry.root());
-        let mut level = top;
-        let mut used = 0;
-        while level > BRICK_LEVEL {
-            used += 256 * nodes.len();
-            let mut below = Vec::new();
+        for level in (BRICK_LEVEL + 2..=depth.max(BRICK_LEVEL).next_multiple_of(2)).rev().step_by(2) {
+            // Find the nodes two levels below.
+            let mut below: Vec<u32> = Vec::new();
             for &node in &nodes {
-                let mut children = [geometry.root(); 64];
-                let count = grandchildren(geometry, node, level, |i, _, child| {
-                    children[i] = child;
-                });
-                below.try_reserve(count).map_err(|_| used + 4 * (below.len() + count))?;
-                below.extend_from_slice(&children[..count]);
+                let known = below.len();
+                let needed = tree.bytes() + size_of::<u32>() * (known + 64);
+                below.try_reserve(64).map_err(|_| needed)?;
+                each_cell(geometry, node, level, |_, child| below.extend(child));
+                // Neighbours often share what is below; keep the list short.
+                if below.len() >= 2 * known.max(1 << 16) {
+                    below.sort_unstable();
+                    below.dedup();
+                }
             }
             below.sort_unstable();
             below.dedup();
-            if used > limit {
-                return Err(used);
+
+            // Write the nodes; those below them follow in their order.
+            let words = if level - 2 == BRICK_LEVEL { 2 } else { 64 };
+            let first = tree.words.len() + 64 * nodes.len();
+            let needed = size_of::<u32>() * (first + words * below.len());
+            if needed > limit || first + words * below.len() > EMPTY_CELL as usize {
+                return Err(needed);
             }
-            let first = tree.words.len();
-            tree.words.try_reserve(64 * nodes.len()).map_err(|_| used)?;
-            let next = (first + 64 * nodes.len()) as u32;
-            if next >= EMPTY_CELL - 64 {
-                return Err(used);
-            }
+            tree.words.try_reserve(64 * nodes.len()).map_err(|_| needed)?;
             for &node in &nodes {
                 let mut cells = [EMPTY_CELL | 1 << (level - 1); 64];
-                for octant in 0..8 {
-                    let filled = if level > depth { octant == 0 } else { geometry.child(node, level, octant).is_some() };
-                    if filled {
-                        for c in 0..8 {
-                            cells[(place(octant, 2) + place(c, 1)) as usize] = EMPTY_CELL | 1 << (level - 2);
-                        }
-                    }
-                }
-                grandchildren(geometry, node, level, |_, cell, child| {
-                    let at = below.binary_search(&child).unwrap_or(0) as u32;
-                    cells[cell] = next + if level - 2 == BRICK_LEVEL { 2 * at } else { 64 * at };
+                each_cell(geometry, node, level, |cell, child| {
+                    cells[cell] = match child {
+                        Some(child) => (first + words * below.partition_point(|&other| other < child)) as u32,
+                        None => EMPTY_CELL | 1 << (level - 2),
+                    };
                 });
                 tree.words.extend_from_slice(&cells);
             }
             nodes = below;
-            level -= 2;
+            tree.starts[usize::from(level / 2 - 1)] = first as u32;
         }
-        used += 8 * nodes.len();
-        if used > limit {
-            return Err(used);
+        tree.words.try_reserve(2 * nodes.len()).map_err(|_| tree.bytes() + size_of::<u64>() * nodes.len())?;
+        for brick in nodes {
+            let voxels = geometry.brick_at(brick);
+            tree.words.extend([voxels as u32, (voxels >> 32) as u32]);
         }
-        tree.words.try_reserve(2 * nodes.len()).map_err(|_| used)?;
-        tree.words.extend(nodes.iter().map(|&brick| geometry.brick_at(brick)).flat_map(|b| [b as u32, (b >> 32) as u32]));
+        tree.starts[0] = tree.words.len() as u32;
         Ok(tree)
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(&self.words[..])
     }
 
     /// The view that a tracer takes.
     pub fn as_wide(&self) -> Wide<'_> {
-        Wide { words: &self.words, depth: self.depth }
+        Wide { words: &self.words, depth: self.depth, starts: &self.starts }
     }
 }
 
-/// Calls `each` with the number, the cell and the node of every child two levels below a node of `level`, which may be one
-/// above the root; returns how many there are.
-fn grandchildren<G: Geometry>(geometry: &G, node: u32, level: u8, mut each: impl FnMut(usize, usize, u32)) -> usize {
-    let mut count = 0;
+/// Calls `each` with every cell in the filled octants of a node of `level`, and the node that it holds. The level may be
+/// one above the root: its node is the first octant then.
+fn each_cell<G: Geometry>(geometry: &G, node: u32, level: u8, mut each: impl FnMut(usize, Option<u32>)) {
     for octant in 0..8 {
-        let child = if level > geometry.depth() {
-            (octant == 0).then_some(node)
-        } else {
-            geometry.child(node, level, octant)
+        let child = match level > geometry.depth() {
+            true => (octant == 0).then_some(node),
+            false => geometry.child(node, level, octant),
         };
         let Some(child) = child else { continue };
         for c in 0..8 {
-            if let Some(grandchild) = geometry.child(child, level - 1, c) {
-                each(count, (place(octant, 2) + place(c, 1)) as usize, grandchild);
-                count += 1;
-            }
+            each((place(octant, 2) + place(c, 1)) as usize, geometry.child(child, level - 1, c));
         }
     }
-    count
 }

@@ -1,14 +1,13 @@
 //! The wide tree: two octree levels to a node, all 4^3 children named, for rays that go down many at a time.
 //!
-//! In: a geometry of any layout. Out: the same voxels, derived when a scene is loaded, not stored, and optional. Nodes that
-//! were shared stay shared. Each child has a word of its own, so that a step down is one look-up without a count of
-//! bits, and an empty one says at once how large the empty cube around it is. Where the depth is odd, the root is the
-//! first octant of a node one level higher.
+//! In: a geometry of any layout. Out: the same voxels, derived when a scene is loaded, not stored, and optional. What was
+//! shared stays shared. Each child has a word of its own, so that a step down is one look-up without a count of bits, and
+//! an empty one says at once how large the empty cube around it is. Where the depth is odd, the root is the first octant
+//! of a node one level higher.
 //!
 //! ```text
 //! node n   of even level h: words n .. n + 64, one per child cell x + 4 y + 16 z of level h - 2
-//!          filled: the child's node, or its brick's number where h = 4
-//!          empty:  1 << 31 | side of the largest empty octree cube around the cell, 2^(h - 2) or 2^(h - 1)
+//!          filled: the child's first word        empty: 1 << 31 | side of the empty octree cube, 2^(h - 2) or 2^(h - 1)
 //! brick b  words b and b + 1: 64 voxels in Morton order, low word first
 //! ```
 //! As a [`Geometry`] a node of odd level h is the first of the eight cells of its octant in the node of level h + 1.
@@ -22,22 +21,29 @@ pub use grow::WideBuf;
 use crate::geometry::{BRICK_LEVEL, Geometry};
 
 /// Marks an empty cell.
-pub(crate) const EMPTY_CELL: u32 = 1 << 31;
+const EMPTY_CELL: u32 = 1 << 31;
 
-/// The view of a [`WideBuf`] that answers queries.
+/// The view of a `WideBuf` that answers queries.
+///
+/// ```
+/// use voxdag::{Geometry, Morton, build::DagBuilder, wide::WideBuf};
+/// let mut builder = DagBuilder::new(4)?;
+/// builder.push(Morton(0), 0b11)?;
+/// builder.push(Morton(64), 0b11)?;
+/// let wide = WideBuf::new(&builder.finish()?.dag(), usize::MAX).unwrap();
+/// assert!(wide.as_wide().contains(Morton(65)));
+/// assert_eq!(wide.as_wide().bytes(), 4 * (64 + 2)); // a node, and one brick for both
+/// # Ok::<(), voxdag::build::BuildError>(())
+/// ```
 #[derive(Clone, Copy, Debug)]
 pub struct Wide<'a> {
     words: &'a [u32],
     depth: u8,
+    /// Where the nodes of level 2 k begin, the bricks at k = 1; those of the level below end there.
+    starts: &'a [u32; 13],
 }
 
-impl<'a> Wide<'a> {
-    /// The nodes' words.
-    #[inline(always)]
-    pub(crate) fn words(&self) -> &'a [u32] {
-        self.words
-    }
-
+impl Wide<'_> {
     /// Bytes that it takes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.words)
@@ -48,8 +54,7 @@ impl<'a> Wide<'a> {
     }
 }
 
-/// The place of an octant's first cell of a lower level among the 4^3, times `scale`: 2 for octants of the node, 1 for
-/// those of an octant.
+/// The first cell of an octant of a node, for `scale` 2; the cell of an octant of an octant, for 1.
 #[inline(always)]
 fn place(octant: u32, scale: u32) -> u32 {
     ((octant & 1) | (octant & 2) << 1 | (octant & 4) << 2) * scale
@@ -72,8 +77,18 @@ impl Geometry for Wide<'_> {
     }
 
     fn is_node(&self, node: u32, level: u8) -> bool {
-        let _ = level;
-        (node as usize) < self.words.len()
+        if level > self.depth.max(BRICK_LEVEL) || level < BRICK_LEVEL {
+            return false;
+        }
+        let k = usize::from(level.div_ceil(2));
+        if !(self.starts[k]..self.starts[k - 1]).contains(&node) {
+            return false;
+        }
+        match node - self.starts[k] {
+            at if level == BRICK_LEVEL => at % 2 == 0,
+            at if level % 2 == 0 => at % 64 == 0,
+            at => (0..8).any(|octant| at % 64 == place(octant, 2)),
+        }
     }
 
     #[inline]
@@ -89,12 +104,17 @@ impl Geometry for Wide<'_> {
     }
 
     fn mask(&self, node: u32, level: u8) -> u8 {
-        (0..8).filter(|octant| self.child(node, level, *octant).is_some()).fold(0, |mask, octant| mask | 1 << octant)
+        (0..8).filter(|&octant| self.child(node, level, octant).is_some()).fold(0, |mask, octant| mask | 1 << octant)
     }
 
     #[inline]
     fn brick_at(&self, brick: u32) -> u64 {
-        let words = self.words.get(brick as usize..).and_then(|rest| rest.first_chunk());
-        words.map_or(0, |&[low, high]| u64::from(low) | u64::from(high) << 32)
+        let pair = self.words.get(brick as usize..).and_then(|rest| rest.first_chunk());
+        pair.map_or(0, |&[low, high]| u64::from(low) | u64::from(high) << 32)
+    }
+
+    #[inline]
+    fn wide_words(&self) -> Option<&[u32]> {
+        Some(self.words)
     }
 }

@@ -1,11 +1,83 @@
 //! Where rays enter the cube, in f64 lanes, and the same from there in f32.
+//!
+//! In: rays as columns. Out: those that certainly enter, with the voxel, and with their origin moved to where they enter
+//! and their direction scaled by a power of two, so that what follows can be done in f32; of the others whether they
+//! certainly miss. It is `Ray::new` and `Ray::enter` for all lanes alike, with the same bounds; what these bounds cannot
+//! tell, and whatever is unusual, is left to the scalar tracer as a whole.
 
-use fearless_simd::Simd;
-use fearless_simd::prelude::*;
+use fearless_simd::{Simd, prelude::*};
 
-use super::{MISS, Rays, WHOLE, Walks, CHUNK};
+use super::walk::{End, Ends};
+use super::{CHUNK, LANES};
+use crate::simd::Level;
 use crate::trace::exact::{HUGE, TINY};
 use crate::trace::ray::{UNIT, axes};
+
+/// Rays of a chunk as columns, in f64.
+pub(in crate::trace) struct Rays {
+    pub len: usize,
+    pub origin: [[f64; CHUNK]; 3],
+    pub dir: [[f64; CHUNK]; 3],
+    pub t_min: [f64; CHUNK],
+    pub t_max: [f64; CHUNK],
+    /// The voxel to start in; negative for none. Read if any ray has one.
+    pub start: [[f64; CHUNK]; 3],
+    pub started: bool,
+    /// Whether any `t_max` is finite.
+    pub bounded: bool,
+    /// What [`enter`] finds: 1 / dir, and the slack of times.
+    pub inverse: [[f64; CHUNK]; 3],
+    pub slack: [f64; CHUNK],
+}
+
+impl Rays {
+    pub(super) const ZERO: Rays = Rays {
+        len: 0,
+        origin: [[0.0; CHUNK]; 3],
+        dir: [[0.0; CHUNK]; 3],
+        t_min: [0.0; CHUNK],
+        t_max: [0.0; CHUNK],
+        start: [[0.0; CHUNK]; 3],
+        started: false,
+        bounded: false,
+        inverse: [[0.0; CHUNK]; 3],
+        slack: [0.0; CHUNK],
+    };
+}
+
+/// Rays that have entered, as columns, in f32. Times are counted from where they entered, in units of `dir`.
+pub(super) struct Walks {
+    pub len: usize,
+    /// In the chunk.
+    pub number: [i32; CHUNK + LANES],
+    /// The first voxel.
+    pub voxel: [[f32; CHUNK + LANES]; 3],
+    /// From its middle to where the ray entered.
+    pub off: [[f32; CHUNK + LANES]; 3],
+    /// The largest is between 0.5 and 1.
+    pub dir: [[f32; CHUNK + LANES]; 3],
+    pub inverse: [[f32; CHUNK + LANES]; 3],
+    /// Places nearer than this to the middle of a voxel are certain at time 0.
+    pub half: [f32; CHUNK + LANES],
+    /// Times before it are certainly before `t_max`,
+    pub stop: [f32; CHUNK + LANES],
+    /// and times after this one after it.
+    pub end: [f32; CHUNK + LANES],
+}
+
+impl Walks {
+    pub(super) const ZERO: Walks = Walks {
+        len: 0,
+        number: [0; CHUNK + LANES],
+        voxel: [[0.0; CHUNK + LANES]; 3],
+        off: [[0.0; CHUNK + LANES]; 3],
+        dir: [[0.0; CHUNK + LANES]; 3],
+        inverse: [[0.0; CHUNK + LANES]; 3],
+        half: [0.0; CHUNK + LANES],
+        stop: [0.0; CHUNK + LANES],
+        end: [0.0; CHUNK + LANES],
+    };
+}
 
 /// What becomes of a vector of rays.
 struct Entered<S: Simd> {
@@ -20,24 +92,29 @@ struct Entered<S: Simd> {
     end: S::f64s,
 }
 
+/// Lines up the rays that enter a cube of `size` voxels; tells of the others how they end.
+pub(super) fn enter(level: Level, rays: &mut Rays, size: i32, ends: &mut Ends, walks: &mut Walks) {
+    fearless_simd::dispatch!(level.token(), simd => match rays.started {
+        true => in_lanes::<_, true>(simd, rays, size, ends, walks),
+        false => in_lanes::<_, false>(simd, rays, size, ends, walks),
+    });
+}
+
 #[inline(always)]
-pub(super) fn enter<S: Simd>(simd: S, rays: &mut Rays, size: i32, how: &mut [u8; CHUNK], walks: &mut Walks) {
-    *how = [MISS; CHUNK];
+fn in_lanes<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, size: i32, ends: &mut Ends, walks: &mut Walks) {
+    ends.how = [End::Miss; CHUNK];
     walks.len = 0;
     let width = S::f64s::LEN;
-    let iota = S::i32s::from_fn(simd, |i| i as i32);
+    let numbers = S::i32s::from_fn(simd, |i| i as i32);
     let mut from = 0;
     while from < rays.len {
-        let (low, high) = if rays.any_start {
-            (vector::<S, true>(simd, rays, from, size), vector::<S, true>(simd, rays, from + width, size))
-        } else {
-            (vector::<S, false>(simd, rays, from, size), vector::<S, false>(simd, rays, from + width, size))
-        };
-        let there = u64::MAX >> 64usize.saturating_sub(rays.len - from).min(63);
+        let low = vector::<S, STARTED>(simd, rays, from, size);
+        let high = vector::<S, STARTED>(simd, rays, from + width, size);
+        let there = u64::MAX >> (64 - (rays.len - from).min(2 * width));
         let go = low.go.narrow(high.go).to_bitmask() & there;
-        let mut whole = there & !go & !(low.missed.narrow(high.missed)).to_bitmask() & (u64::MAX >> (64 - 2 * width));
+        let mut whole = there & !go & !low.missed.narrow(high.missed).to_bitmask();
         while whole != 0 {
-            how[(from + whole.trailing_zeros() as usize) % CHUNK] = WHOLE;
+            ends.how[(from + whole.trailing_zeros() as usize) % CHUNK] = End::Whole;
             whole &= whole - 1;
         }
         // Line up those that go.
@@ -46,7 +123,7 @@ pub(super) fn enter<S: Simd>(simd: S, rays: &mut Rays, size: i32, how: &mut [u8;
         let put = |column: &mut [f32], low: S::f64s, high: S::f64s| {
             low.narrow(high).compress(mask).store_slice(&mut column[at..at + 2 * width]);
         };
-        (iota + from as i32).compress(mask).store_slice(&mut walks.id[at..at + 2 * width]);
+        (numbers + from as i32).compress(mask).store_slice(&mut walks.number[at..at + 2 * width]);
         for i in 0..3 {
             put(&mut walks.voxel[i], low.voxel[i], high.voxel[i]);
             put(&mut walks.off[i], low.off[i], high.off[i]);

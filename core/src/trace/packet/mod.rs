@@ -1,220 +1,193 @@
-//! Many rays at once.
+//! Many rays at once, in the lanes of vectors: tiles of rays from one point, and streams of any rays.
+//!
+//! In: a tracer over a wide tree with a top grid, and rays. Out: for each ray the answer of the exact tracer, bit for bit.
+//! A chunk of rays goes through three kernels. [`enter`] finds in f64 where they enter the cube and moves their origin
+//! there; [`walk`] follows them in f32 lanes, refilled as rays end, and gives up a ray at the first step that f32 cannot
+//! tell for certain, in the voxel that it is in; [`arrive`] makes hits of the voxels where rays ended, in f64 again. What
+//! was given up is walked on by the scalar tracer from where it is. The bounds are proved in docs/numerics.md. With
+//! [`Arithmetic::F32`] no ray is given up on the way: a preview.
+//!
+//! The kernels depend on neither layout nor source of the rays, so that each exists once for each set of instructions.
+//! No heap: a chunk's columns take some 60 kB of stack.
 
 mod arrive;
 mod enter;
-mod step;
+mod walk;
 
-use fearless_simd::Simd;
-
-use super::ray::Ray;
-use super::top::Top;
-use super::walk::{self, walk};
-use super::{Arithmetic, Hit, Query, Steps, Tracer};
+use super::ray::{Ray, axes};
+use super::{Arithmetic, Hit, Query, Steps, Tile, Tracer, walk as scalar};
 use crate::geometry::Geometry;
 use crate::simd::Level;
-use crate::wide::Wide;
-use core::sync::atomic::{AtomicU64, Ordering::Relaxed};
-#[allow(missing_docs)]
-pub static C: [AtomicU64; 4] = [const { AtomicU64::new(0) }; 4];
-#[allow(missing_docs)]
-pub static T: [AtomicU64; 4] = [const { AtomicU64::new(0) }; 4];
+use arrive::Found;
+use enter::{Rays, Walks};
+use walk::{End, Ends, Tables};
 
 /// Rays that are worked on at a time.
 const CHUNK: usize = 256;
-/// Room for a whole vector after the last of them.
-const ROOM: usize = CHUNK + 16;
+/// Lanes of the widest vectors.
+const LANES: usize = 16;
 
-/// Where a ray of a chunk ends.
-const MISS: u8 = 0;
-const HIT: u8 = 1;
-/// In a voxel from which f32 cannot tell the way.
-const UNCLEAR: u8 = 2;
-/// Nothing is known yet.
-const WHOLE: u8 = 3;
-
-/// Rays of a chunk as columns, in f64.
-struct Rays {
-    len: usize,
-    origin: [[f64; CHUNK]; 3],
-    dir: [[f64; CHUNK]; 3],
-    t_min: [f64; CHUNK],
-    t_max: [f64; CHUNK],
-    start: [[f64; CHUNK]; 3],
-    any_start: bool,
-    inverse: [[f64; CHUNK]; 3],
-    slack: [f64; CHUNK],
-}
-
-/// Rays that walk, as columns.
-struct Walks {
-    len: usize,
-    id: [i32; ROOM],
-    voxel: [[f32; ROOM]; 3],
-    off: [[f32; ROOM]; 3],
-    dir: [[f32; ROOM]; 3],
-    inverse: [[f32; ROOM]; 3],
-    half: [f32; ROOM],
-    stop: [f32; ROOM],
-    end: [f32; ROOM],
-}
-
-/// Where rays ended.
-struct Ends {
-    how: [u8; CHUNK],
-    voxel: [[i32; CHUNK]; 3],
-}
-
-/// Hits, as columns.
-struct Found {
-    code: [u64; CHUNK],
-    from: [u64; CHUNK],
-    t: [f64; CHUNK],
-    /// Axis, or 3 if unclear.
-    face: [u8; CHUNK],
-}
-
-/// All that a chunk needs.
-struct Chunk {
-    rays: Rays,
-    walks: Walks,
-    ends: Ends,
-    found: Found,
-}
-
-impl Chunk {
-    const NEW: Chunk = Chunk {
-        rays: Rays {
-            len: 0,
-            origin: [[0.0; CHUNK]; 3],
-            dir: [[1.0; CHUNK]; 3],
-            t_min: [0.0; CHUNK],
-            t_max: [f64::INFINITY; CHUNK],
-            start: [[-1.0; CHUNK]; 3],
-            any_start: false,
-            inverse: [[1.0; CHUNK]; 3],
-            slack: [0.0; CHUNK],
-        },
-        walks: Walks {
-            len: 0,
-            id: [0; ROOM],
-            voxel: [[0.0; ROOM]; 3],
-            off: [[0.0; ROOM]; 3],
-            dir: [[0.0; ROOM]; 3],
-            inverse: [[0.0; ROOM]; 3],
-            half: [0.0; ROOM],
-            stop: [0.0; ROOM],
-            end: [0.0; ROOM],
-        },
-        ends: Ends { how: [MISS; CHUNK], voxel: [[0; CHUNK]; 3] },
-        found: Found { code: [0; CHUNK], from: [0; CHUNK], t: [0.0; CHUNK], face: [0; CHUNK] },
-    };
-}
-
-/// What packets walk through.
+#[allow(missing_docs)]
+pub static D: [core::sync::atomic::AtomicU64; 4] = [const { core::sync::atomic::AtomicU64::new(0) }; 4];
+/// What answers many rays at once.
 #[derive(Clone, Copy)]
-struct Tables<'a> {
-    top: &'a [u32],
-    bits: u32,
-    level: u32,
-    depth: u32,
-    words: &'a [u32],
-}
-
-/// Traces by packets.
-pub(super) fn trace<G: Geometry>(
-    tracer: &Tracer<'_, G>,
+pub(super) struct Packets<'a, 'g, G> {
+    tracer: &'a Tracer<'g, G>,
+    tables: Tables<'a>,
     level: Level,
-    top: &Top<'_>,
-    wide: &Wide<'_>,
+    /// Rays that f32 cannot tell are followed by f64 and exactly, not by f32.
     exact: bool,
-    queries: &[Query],
-    hits: &mut [Option<Hit>],
-) {
-    let tables = Tables {
-        top: top.words(),
-        bits: top.bits().into(),
-        level: top.level() as u32,
-        depth: tracer.geometry.depth().into(),
-        words: wide.words(),
-    };
-    let simd = level.token().as_avx512().unwrap();
-    let _ = exact;
-    use fearless_simd::Simd as _;
-    simd.vectorize(#[inline(always)] || stream::<_, G, true>(simd, tracer, &tables, queries, hits));
 }
 
-/// Traces a stream.
-#[inline(always)]
-fn stream<S: Simd, G: Geometry, const EXACT: bool>(
-    simd: S,
-    tracer: &Tracer<'_, G>,
-    tables: &Tables<'_>,
-    queries: &[Query],
-    hits: &mut [Option<Hit>],
-) {
-    let mut chunk = Chunk::NEW;
-    let size = 1i32 << tracer.geometry.depth();
-    for (queries, hits) in queries.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
-        let t0 = std::time::Instant::now();
-        chunk.rays.fill(queries);
-        let t1 = std::time::Instant::now();
-        enter::enter(simd, &mut chunk.rays, size, &mut chunk.ends.how, &mut chunk.walks);
-        let t2 = std::time::Instant::now();
-        step::walk::<S, step::W16, EXACT, false>(simd, tables, &chunk.walks, &mut chunk.ends);
-        let t3 = std::time::Instant::now();
-        arrive::arrive(simd, &chunk.rays, &chunk.ends, size, &mut chunk.found);
-        for (k, (query, hit)) in queries.iter().zip(hits).enumerate() {
-            *hit = match chunk.ends.how[k] {
-                MISS => None,
-                HIT if chunk.found.face[k] < 6 => Some(chunk.found.hit(k)),
-                _ => rest(tracer, query, chunk.ends.how[k], chunk.ends.voxel.each_ref().map(|column| column[k])),
-            };
-        }
-        let t4 = std::time::Instant::now();
-        T[0].fetch_add((t1 - t0).as_nanos() as u64, Relaxed);
-        T[1].fetch_add((t2 - t1).as_nanos() as u64, Relaxed);
-        T[2].fetch_add((t3 - t2).as_nanos() as u64, Relaxed);
-        T[3].fetch_add((t4 - t3).as_nanos() as u64, Relaxed);
+/// Where rays come from.
+pub(super) trait Source {
+    /// How many there are.
+    fn len(&self) -> usize;
+
+    /// Fills the columns with the rays from number `from` on.
+    fn fill(&self, from: usize, rays: &mut Rays);
+
+    /// One of them.
+    fn query(&self, number: usize) -> Query;
+}
+
+impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
+    /// `None` where rays are traced one by one: without vectors, wide tree or top grid, or by f64 alone.
+    pub(super) fn of(tracer: &'a Tracer<'g, G>, arithmetic: Arithmetic) -> Option<Self> {
+        let (top, level) = (tracer.top.as_ref()?, tracer.level?);
+        let words = tracer.geometry.wide_words().filter(|words| !words.is_empty())?;
+        let tables = Tables {
+            top: top.words(),
+            bits: top.bits().into(),
+            level: top.level() as u32,
+            depth: tracer.geometry.depth().into(),
+            words,
+        };
+        (arithmetic != Arithmetic::F64 && tables.level.is_multiple_of(2)).then_some(Packets {
+            tracer,
+            tables,
+            level,
+            exact: arithmetic == Arithmetic::Exact,
+        })
     }
-}
 
-/// What lanes left open.
-#[cold]
-#[inline(never)]
-fn rest<G: Geometry>(tracer: &Tracer<'_, G>, query: &Query, how: u8, voxel: [i32; 3]) -> Option<Hit> {
-    let size = 1i32 << tracer.geometry.depth();
-    if how == WHOLE {
-        return tracer.trace(Arithmetic::Exact, query);
-    }
-    let ray = Ray::new::<true>(query, size)?;
-    let (voxel, level) = if how == HIT {
-        (voxel, 0)
-    } else {
-        walk::<true, true, G>(tracer, &ray, voxel, 0, &mut Steps::default())?
-    };
-    Some(walk::arrive::<true>(&ray, voxel, level, size, query))
-}
-
-impl Rays {
-    fn fill(&mut self, queries: &[Query]) {
-        self.len = queries.len();
-        self.any_start = false;
-        for (k, query) in queries.iter().enumerate().take(CHUNK) {
-            for i in 0..3 {
-                self.origin[i][k] = query.origin[i];
-                self.dir[i][k] = query.dir[i];
+    /// The nearest hit of every ray.
+    pub(super) fn trace(&self, source: &impl Source, hits: &mut [Option<Hit>]) {
+        let mut found = Found::ZERO;
+        self.each_chunk(source, hits.len(), |from, rays, ends| {
+            arrive::arrive(self.level, rays, ends, 1 << self.tables.depth, &mut found);
+            for (k, hit) in hits[from..].iter_mut().enumerate().take(rays.len) {
+                *hit = match ends.how[k] {
+                    End::Miss => None,
+                    End::Hit if found.is_clear(k) => Some(found.hit(k)),
+                    how => self.follow(&source.query(from + k), how, ends.voxel(k)),
+                };
             }
-            self.t_min[k] = query.t_min;
-            self.t_max[k] = query.t_max;
-            self.any_start |= query.start.is_some();
+        });
+    }
+
+    /// Whether every ray hits.
+    pub(super) fn occluded(&self, source: &impl Source, blocked: &mut [bool]) {
+        self.each_chunk(source, blocked.len(), |from, rays, ends| {
+            for (k, blocked) in blocked[from..].iter_mut().enumerate().take(rays.len) {
+                *blocked = match ends.how[k] {
+                    End::Miss => false,
+                    End::Hit => true,
+                    how => self.follow(&source.query(from + k), how, ends.voxel(k)).is_some(),
+                };
+            }
+        });
+    }
+
+    /// Lets rays enter and walk, chunk by chunk, as many as there are of both.
+    #[inline]
+    fn each_chunk(&self, source: &impl Source, most: usize, mut each: impl FnMut(usize, &Rays, &Ends)) {
+        let (mut rays, mut walks, mut ends) = (Rays::ZERO, Walks::ZERO, Ends::ZERO);
+        let most = most.min(source.len());
+        for from in (0..most).step_by(CHUNK) {
+            rays.len = CHUNK.min(most - from);
+            source.fill(from, &mut rays);
+            enter::enter(self.level, &mut rays, 1 << self.tables.depth, &mut ends, &mut walks);
+            walk::walk(self.level, &self.tables, self.exact, rays.bounded, &walks, &mut ends);
+            each(from, &rays, &ends);
         }
-        if self.any_start {
-            for (k, query) in queries.iter().enumerate().take(CHUNK) {
+    }
+
+    /// What the lanes left open: the whole of a ray, the rest of its way, or how it arrived.
+    #[cold]
+    #[inline(never)]
+    fn follow(&self, query: &Query, how: End, voxel: [i32; 3]) -> Option<Hit> {
+        D[how as usize].fetch_add(1, core::sync::atomic::Ordering::Relaxed);
+        if how == End::Whole {
+            return self.tracer.trace(Arithmetic::Exact, query);
+        }
+        let size = 1i32 << self.tables.depth;
+        let ray = Ray::new::<true>(query, size)?;
+        let voxel = match how {
+            End::Hit => voxel,
+            _ => scalar::walk::<true, true, G>(self.tracer, &ray, voxel, 0, &mut Steps::default())?.0,
+        };
+        Some(scalar::arrive::<true>(&ray, voxel, 0, size, query))
+    }
+}
+
+/// A time that no ray begins at, which leaves it to the scalar tracer.
+const ELSEWHERE: f64 = f64::NAN;
+
+impl Source for &[Query] {
+    fn len(&self) -> usize {
+        (**self).len()
+    }
+
+    #[inline]
+    fn fill(&self, from: usize, rays: &mut Rays) {
+        let queries = &self[from..][..rays.len.min(CHUNK)];
+        (rays.started, rays.bounded) = (false, false);
+        for (k, query) in queries.iter().enumerate() {
+            for i in 0..3 {
+                rays.origin[i][k] = query.origin[i];
+                rays.dir[i][k] = query.dir[i];
+            }
+            rays.t_min[k] = if query.min_level == 0 { query.t_min } else { ELSEWHERE };
+            rays.t_max[k] = query.t_max;
+            rays.started |= query.start.is_some();
+            rays.bounded |= query.t_max != f64::INFINITY;
+        }
+        if rays.started {
+            for (k, query) in queries.iter().enumerate() {
                 let start = query.start.map_or([-1.0; 3], |start| start.decode().map(f64::from));
                 for i in 0..3 {
-                    self.start[i][k] = start[i];
+                    rays.start[i][k] = start[i];
                 }
             }
         }
     }
+
+    fn query(&self, number: usize) -> Query {
+        self[number]
+    }
 }
+
+impl Source for Tile<'_> {
+    fn len(&self) -> usize {
+        self.places.len()
+    }
+
+    #[inline]
+    fn fill(&self, from: usize, rays: &mut Rays) {
+        let places = &self.places[from..][..rays.len.min(CHUNK)];
+        (rays.started, rays.bounded) = (false, false);
+        (rays.t_min, rays.t_max) = ([0.0; CHUNK], [f64::INFINITY; CHUNK]);
+        rays.origin = axes(|i| [self.origin[i]; CHUNK]);
+        for i in 0..3 {
+            for (dir, place) in rays.dir[i].iter_mut().zip(places) {
+                *dir = self.along(i, *place);
+            }
+        }
+    }
+
+    fn query(&self, number: usize) -> Query {
+        Query::new(self.origin, self.direction(self.places[number]))
+    }
+}
+
