@@ -1,10 +1,11 @@
 //! Samples that are traced and shaded together, stage by stage.
 //!
-//! In: rays, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface it is of. First
+//! In: places in the picture, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface it is of. First
 //! all rays, then all materials, all normals, where shadow rays start, and light by light the shadow rays of the surfaces
 //! that face it, and its light: the tracer and the normals get all they need at once, whatever pixels it is for. Entry `i`
 //! of every array is of one sample; what is not shaded leaves no gap.
 
+use super::frame::Frame;
 use super::sampling::Seen;
 use super::{Settings, View, shadow};
 use crate::geometry::Geometry;
@@ -24,10 +25,9 @@ pub(super) const SAMPLES: usize = 256;
 pub(super) struct Batch {
     count: usize,
     pixels: [u8; SAMPLES],
-    /// The samples' rays, and what they met; afterwards those of their shadows, and whether they met something.
-    rays: [Query; SAMPLES],
+    /// In the picture, and what the rays through them met.
+    places: [[f64; 2]; SAMPLES],
     met: [Option<Hit>; SAMPLES],
-    blocked: [bool; SAMPLES],
     // What is shaded.
     hits: [Hit; SAMPLES],
     dirs: [[f64; 3]; SAMPLES],
@@ -38,7 +38,9 @@ pub(super) struct Batch {
     colors: [[f32; 3]; SAMPLES],
     /// Whether shadow rays start above the point.
     above: [bool; SAMPLES],
-    /// The samples whose shadow rays are on their way, and the light that they wait for.
+    /// Shadow rays, and whether they met something; and the samples that wait for that, and for which light.
+    rays: [Query; SAMPLES],
+    blocked: [bool; SAMPLES],
     waiting: [(u8, Incidence); SAMPLES],
 }
 
@@ -52,9 +54,8 @@ impl Batch {
         Batch {
             count: 0,
             pixels: [0; SAMPLES],
-            rays: [NO_RAY; SAMPLES],
+            places: [[0.0; 2]; SAMPLES],
             met: [None; SAMPLES],
-            blocked: [false; SAMPLES],
             hits: [NO_HIT; SAMPLES],
             dirs: [[0.0; 3]; SAMPLES],
             points: [[0.0; 3]; SAMPLES],
@@ -62,15 +63,17 @@ impl Batch {
             normals: [NO_NORMAL; SAMPLES],
             colors: [[0.0; 3]; SAMPLES],
             above: [false; SAMPLES],
+            rays: [NO_RAY; SAMPLES],
+            blocked: [false; SAMPLES],
             waiting: [(0, NO_LIGHT); SAMPLES],
         }
     }
 
-    /// Adds a sample; the batch must not be full.
+    /// Adds a sample at a place of the picture; the batch must not be full.
     #[inline]
-    pub fn push(&mut self, pixel: u8, ray: Query) {
+    pub fn push(&mut self, pixel: u8, place: [f64; 2]) {
         self.pixels[self.count] = pixel;
-        self.rays[self.count] = ray;
+        self.places[self.count] = place;
         self.count += 1;
     }
 
@@ -92,18 +95,20 @@ impl Batch {
         &mut self,
         tracer: &Tracer<'_, G>,
         arithmetic: Arithmetic,
+        frame: &Frame,
         mut keep: impl FnMut(u8, Option<&Hit>) -> bool,
     ) {
-        tracer.trace_many(arithmetic, &self.rays[..self.count], &mut self.met);
+        let rays = frame.rays(&self.places[..self.count]);
+        tracer.trace_tile(arithmetic, &rays, &mut self.met);
         let mut kept = 0;
         for i in 0..self.count {
             let (pixel, met) = (self.pixels[i], self.met[i]);
             if let (true, Some(hit)) = (keep(pixel, met.as_ref()), met) {
-                let ray = &self.rays[i];
+                let dir = rays.direction(self.places[i]);
                 self.pixels[kept] = pixel;
                 self.hits[kept] = hit;
-                self.dirs[kept] = ray.dir;
-                self.points[kept] = math::add_scaled(ray.origin, ray.dir, hit.t);
+                self.dirs[kept] = dir;
+                self.points[kept] = math::add_scaled(rays.origin, dir, hit.t);
                 kept += 1;
             }
         }

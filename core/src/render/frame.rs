@@ -4,7 +4,7 @@ use core::ops::Range;
 
 use crate::camera::{Camera, CameraError, Rays};
 use crate::grid::Grid;
-use crate::trace::Query;
+use crate::trace::{Query, Tile};
 
 /// Largest width and height of a picture.
 pub const MAX_SIDE: u32 = 65_536;
@@ -89,9 +89,14 @@ impl Frame {
         Ok(Frame { rays, eye: grid.to_grid(camera.eye) })
     }
 
+    /// The rays through places of the picture, in pixels from its upper left corner.
+    pub(super) fn rays<'a>(&self, places: &'a [[f64; 2]]) -> Tile<'a> {
+        self.rays.tile(self.eye, places)
+    }
+
     /// The pixel in column `x` and row `y`.
     #[inline]
-    pub(super) fn pixel(&self, x: u32, y: u32) -> Pixel<'_> {
+    fn pixel(&self, x: u32, y: u32) -> Pixel<'_> {
         Pixel { frame: self, corner: [x, y].map(f64::from) }
     }
 }

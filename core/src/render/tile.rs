@@ -77,15 +77,15 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
         }
         for turn in 0..2 {
             for (i, [x, y]) in places().enumerate() {
-                let rays = frame.pixel(x, y);
+                let corner = [x, y].map(f64::from);
                 for place in self.pixels[i].plan.places(turn) {
-                    self.batch.push(i as u8, rays.query(place));
+                    self.batch.push(i as u8, [corner[0] + place[0], corner[1] + place[1]]);
                     if self.batch.is_full() {
-                        self.shade();
+                        self.shade(frame);
                     }
                 }
             }
-            self.shade();
+            self.shade(frame);
         }
 
         let rows = strip.chunks_exact_mut(width as usize).map(|row| &mut row[left as usize..][..columns as usize]);
@@ -102,10 +102,10 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
     }
 
     /// Traces and shades the samples of the batch, and gives them to their pixels.
-    fn shade(&mut self) {
+    fn shade(&mut self, frame: &Frame) {
         let Tile { view, settings, background, smooth, counters, batch, pixels } = self;
         counters.primary += batch.len() as u64;
-        batch.trace(&view.tracer, settings.arithmetic, |pixel, hit| {
+        batch.trace(&view.tracer, settings.arithmetic, frame, |pixel, hit| {
             let pixel = &mut pixels[usize::from(pixel)];
             match hit {
                 Some(hit) => {
