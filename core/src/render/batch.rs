@@ -1,9 +1,9 @@
 //! Samples that are traced and shaded together, stage by stage.
 //!
-//! In: places in the picture, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface it is of. First
-//! all rays, then all materials, all normals, where shadow rays start, and light by light the shadow rays of the surfaces
-//! that face it, and its light: the tracer and the normals get all they need at once, whatever pixels it is for. Entry `i`
-//! of every array is of one sample; what is not shaded leaves no gap.
+//! In: places in the picture, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface
+//! it is of. First all rays, then all materials, all normals, where shadow rays start, and light by light the shadow rays
+//! of the surfaces that face it, and its light: the tracer and the normals get all they need at once, whatever pixels it is
+//! for. Entry `i` of every array is of one sample; what is not shaded leaves no gap.
 
 use super::frame::Frame;
 use super::sampling::Seen;
