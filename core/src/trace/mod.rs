@@ -4,7 +4,7 @@ mod along;
 #[cfg(all(test, feature = "alloc"))]
 mod edge;
 mod exact;
-pub mod packet;
+mod packet;
 mod ray;
 mod top;
 mod walk;

@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::{EMPTY_CELL, Wide, place};
+use super::boxes::boxes;
+use super::{EMPTY_CELL, EMPTY_OCTANT, NODE_WORDS, Wide, place};
 use crate::geometry::{BRICK_LEVEL, Geometry};
 
 /// A wide tree that owns its words.
@@ -44,27 +45,38 @@ impl WideBuf {
             below.dedup();
 
             // Write the nodes; those below them follow in their order.
-            let words = if level - 2 == BRICK_LEVEL { 2 } else { 64 };
-            let first = tree.words.len() + 64 * nodes.len();
+            let words = if level - 2 == BRICK_LEVEL { 2 } else { NODE_WORDS };
+            let first = tree.words.len() + NODE_WORDS * nodes.len();
             let needed = size_of::<u32>() * (first + words * below.len());
             if needed > limit || first + words * below.len() > EMPTY_CELL as usize {
                 return Err(needed);
             }
-            tree.words.try_reserve(64 * nodes.len()).map_err(|_| needed)?;
+            tree.words.try_reserve(NODE_WORDS * nodes.len()).map_err(|_| needed)?;
             for &node in &nodes {
-                let mut cells = [EMPTY_CELL | 1 << (level - 1); 64];
+                let mut cells = [EMPTY_CELL | EMPTY_OCTANT; 64];
                 each_cell(geometry, node, level, |cell, child| {
                     cells[cell] = match child {
                         Some(child) => (first + words * below.partition_point(|&other| other < child)) as u32,
-                        None => EMPTY_CELL | 1 << (level - 2),
+                        None => EMPTY_CELL,
                     };
                 });
-                tree.words.extend_from_slice(&cells);
+                let empty = (0..64).fold(0, |set, cell| set | u64::from(cells[cell] >= EMPTY_CELL) << cell);
+                for half in 0..2 {
+                    let mut words = cells;
+                    for o in 0..4 {
+                        let boxes = boxes(empty, 4 * half + o);
+                        words.iter_mut().zip(boxes).for_each(|(word, shape)| *word |= u32::from(shape) << (6 * o));
+                    }
+                    tree.words.extend_from_slice(&words);
+                }
             }
             nodes = below;
             tree.starts[usize::from(level / 2 - 1)] = first as u32;
         }
-        tree.words.try_reserve(2 * nodes.len()).map_err(|_| tree.bytes() + size_of::<u64>() * nodes.len())?;
+        let needed = tree.bytes() + size_of::<u64>() * nodes.len();
+        if needed > limit || tree.words.try_reserve(2 * nodes.len()).is_err() {
+            return Err(needed);
+        }
         for brick in nodes {
             let voxels = geometry.brick_at(brick);
             tree.words.extend([voxels as u32, (voxels >> 32) as u32]);

@@ -2,16 +2,20 @@
 //!
 //! In: a geometry of any layout. Out: the same voxels, derived when a scene is loaded, not stored, and optional. What was
 //! shared stays shared. Each child has a word of its own, so that a step down is one look-up without a count of bits, and
-//! an empty one says at once how large the empty cube around it is. Where the depth is odd, the root is the first octant
-//! of a node one level higher.
+//! an empty one says how far the space ahead is empty, for each octant that a ray may head to: the largest box of cells of
+//! the node that begins there. Where the depth is odd, the root is the first octant of a node one level higher.
 //!
 //! ```text
-//! node n   of even level h: words n .. n + 64, one per child cell x + 4 y + 16 z of level h - 2
-//!          filled: the child's first word        empty: 1 << 31 | side of the empty octree cube, 2^(h - 2) or 2^(h - 1)
+//! node n   of even level h: words n .. n + 64, one per child cell x + 4 y + 16 z of level h - 2, for rays with dz < 0,
+//!          and words n + 64 .. n + 128, the same for the others
+//!          filled: the child's first word        empty: 1 << 31 | 1 << 24 if all of the octant is | box << 6 o
+//!          o = (dx >= 0) + 2 (dy >= 0), box = cells along x | y << 2 | z << 4, less one each
 //! brick b  words b and b + 1: 64 voxels in Morton order, low word first
 //! ```
 //! As a [`Geometry`] a node of odd level h is the first of the eight cells of its octant in the node of level h + 1.
 
+#[cfg(feature = "alloc")]
+mod boxes;
 #[cfg(feature = "alloc")]
 mod grow;
 
@@ -22,6 +26,10 @@ use crate::geometry::{BRICK_LEVEL, Geometry};
 
 /// Marks an empty cell.
 const EMPTY_CELL: u32 = 1 << 31;
+/// Marks a cell of an empty octant.
+const EMPTY_OCTANT: u32 = 1 << 24;
+/// Words of a node.
+const NODE_WORDS: usize = 128;
 
 /// The view of a `WideBuf` that answers queries.
 ///
@@ -32,7 +40,7 @@ const EMPTY_CELL: u32 = 1 << 31;
 /// builder.push(Morton(64), 0b11)?;
 /// let wide = WideBuf::new(&builder.finish()?.dag(), usize::MAX).unwrap();
 /// assert!(wide.as_wide().contains(Morton(65)));
-/// assert_eq!(wide.as_wide().bytes(), 4 * (64 + 2)); // a node, and one brick for both
+/// assert_eq!(wide.as_wide().bytes(), 4 * (128 + 2)); // a node, and one brick for both
 /// # Ok::<(), voxdag::build::BuildError>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -86,17 +94,17 @@ impl Geometry for Wide<'_> {
         }
         match node - self.starts[k] {
             at if level == BRICK_LEVEL => at % 2 == 0,
-            at if level % 2 == 0 => at % 64 == 0,
-            at => (0..8).any(|octant| at % 64 == place(octant, 2)),
+            at if level.is_multiple_of(2) => at.is_multiple_of(NODE_WORDS as u32),
+            at => (0..8).any(|octant| at % NODE_WORDS as u32 == place(octant, 2)),
         }
     }
 
     #[inline]
     fn child(&self, node: u32, level: u8, octant: u32) -> Option<u32> {
-        if level % 2 == 0 {
+        if level.is_multiple_of(2) {
             // An octant that is empty says so in all of its cells.
             let child = node + place(octant, 2);
-            (self.word(child) != EMPTY_CELL | 1 << (level - 1)).then_some(child)
+            (self.word(child) & (EMPTY_CELL | EMPTY_OCTANT) != EMPTY_CELL | EMPTY_OCTANT).then_some(child)
         } else {
             let word = self.word(node + place(octant, 1));
             (word & EMPTY_CELL == 0).then_some(word)

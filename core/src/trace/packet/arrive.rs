@@ -102,7 +102,7 @@ fn vector<S: Simd>(simd: S, rays: &Rays, ends: &Ends, size: i32, from: usize, fo
     let outside = alone & last.simd_gt(t_min + slack) | on_plane & !positive;
     if rays.started {
         let start = axes(|i| load(&rays.start[i]));
-        inside = inside | start[0].simd_eq(p[0]) & start[1].simd_eq(p[1]) & start[2].simd_eq(p[2]);
+        inside |= start[0].simd_eq(p[0]) & start[1].simd_eq(p[1]) & start[2].simd_eq(p[2]);
     }
     let clear = inside | outside;
 

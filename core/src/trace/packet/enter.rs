@@ -157,7 +157,7 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     if (still[0] | still[1] | still[2]).any_true() {
         for i in 0..3 {
             let cell = if STARTED { started.select(start[i], o[i].floor()) } else { o[i].floor() };
-            valid = valid & (!still[i] | cell.simd_ge(0.0) & cell.simd_lt(size));
+            valid &= !still[i] | cell.simd_ge(0.0) & cell.simd_lt(size);
             o[i] = still[i].select(cell + 0.5, o[i]);
             o[i].store_slice(&mut rays.origin[i][from..from + width]);
         }
@@ -171,14 +171,14 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     let moving = axes(|i| still[i].select(infinity, d[i].abs()));
     let slowest = moving[0].min(moving[1]).min(moving[2]);
     let fastest = d[0].abs().max(d[1].abs()).max(d[2].abs());
-    valid = valid & far_out.simd_le(HUGE) & speed.simd_le(HUGE) & slowest.simd_ge(TINY);
+    valid &= far_out.simd_le(HUGE) & speed.simd_le(HUGE) & slowest.simd_ge(TINY);
     let near = axes(|i| (up[i].select(zero, splat(size)) - o[i]) * inverse[i]);
     let far = axes(|i| (up[i].select(splat(size), zero) - o[i]) * inverse[i]);
     let last_near = near[0].max(near[1]).max(near[2]);
     let leave = far[0].min(far[1]).min(far[2]);
     let begin = t_min.simd_eq(f64::NEG_INFINITY).select(zero, t_min.abs());
     let longest = begin.max(last_near.abs()).max(leave.abs());
-    valid = valid & longest.simd_ge(TINY) & longest.simd_le(HUGE);
+    valid &= longest.simd_ge(TINY) & longest.simd_le(HUGE);
     let slack = longest * UNIT;
     let error = (far_out + speed * longest + size) * UNIT;
 
@@ -197,19 +197,19 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
         let exit = axes(|i| (start[i] + up[i].select(one, zero) - o[i]) * inverse[i]);
         let t_in = entry[0].max(entry[1]).max(entry[2]);
         let t_out = exit[0].min(exit[1]).min(exit[2]);
-        begun = begun & (t_in + slack * 2.0).simd_lt(t_out);
+        begun &= (t_in + slack * 2.0).simd_lt(t_out);
         for i in 0..3 {
-            begun = begun & start[i].simd_lt(size);
+            begun &= start[i].simd_lt(size);
         }
         now = started.select(t_in, now);
-        missed = missed & !started;
+        missed &= !started;
     }
     let middle = axes(|i| o[i] + d[i] * now - 0.5);
     let mut voxel = [zero; 3];
     for i in 0..3 {
         let rounded = middle[i].round_ties_even();
         let crossed = close[i] & outside;
-        clear = clear & (crossed | (middle[i] - rounded).abs().simd_lt(splat(0.5) - error));
+        clear &= crossed | (middle[i] - rounded).abs().simd_lt(splat(0.5) - error);
         let first = up[i].select(zero, splat(size - 1.0));
         voxel[i] = crossed.select(first, rounded.max(zero).min(splat(size - 1.0)));
         if STARTED {
@@ -227,7 +227,7 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     let steepest = one / (slowest * scale);
     let go = clear & valid & steepest.simd_le(1e10);
     let error = error + f64::from_bits((1023 - 26) << 52);
-    let bound = error * (steepest + 1.0) * 1.01 + f64::from_bits((1023 - 23) << 52);
+    let bound = error * (steepest + 1.0) * 1.1 + f64::from_bits((1023 - 23) << 52);
     let most = (t_max - now) * stretch;
     let margin = most.abs() * (8.0 / 16_777_216.0) + bound;
     let endless = t_max.simd_eq(f64::INFINITY);

@@ -11,6 +11,8 @@
 //! No heap: a chunk's columns take some 60 kB of stack.
 
 mod arrive;
+#[cfg(test)]
+mod edge;
 mod enter;
 mod walk;
 
@@ -27,8 +29,6 @@ const CHUNK: usize = 256;
 /// Lanes of the widest vectors.
 const LANES: usize = 16;
 
-#[allow(missing_docs)]
-pub static D: [core::sync::atomic::AtomicU64; 4] = [const { core::sync::atomic::AtomicU64::new(0) }; 4];
 /// What answers many rays at once.
 #[derive(Clone, Copy)]
 pub(super) struct Packets<'a, 'g, G> {
@@ -117,7 +117,6 @@ impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
     #[cold]
     #[inline(never)]
     fn follow(&self, query: &Query, how: End, voxel: [i32; 3]) -> Option<Hit> {
-        D[how as usize].fetch_add(1, core::sync::atomic::Ordering::Relaxed);
         if how == End::Whole {
             return self.tracer.trace(Arithmetic::Exact, query);
         }
@@ -190,4 +189,3 @@ impl Source for Tile<'_> {
         Query::new(self.origin, self.direction(self.places[number]))
     }
 }
-

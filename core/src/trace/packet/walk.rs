@@ -72,8 +72,11 @@ struct Packet<S: Simd> {
     inverse: [S::f32s; 3],
     /// All ones where the direction is positive (or 0), else 0.
     up: [S::i32s; 3],
-    /// Where the top grid for its octant begins.
+    /// Where the top grid for its octant begins, and half a node of the wide tree for it.
     octant: S::i32s,
+    part: S::i32s,
+    /// Moves the octant's box in a word of the wide tree to bit 18.
+    align: S::i32s,
     half: S::f32s,
     stop: S::f32s,
     end: S::f32s,
@@ -108,13 +111,13 @@ fn in_lanes<S: Simd, const EXACT: bool, const BOUNDED: bool>(
         }
         let cells = [a.cell(simd, tables), b.cell(simd, tables)];
         // Where all lanes are in empty cells of the grid, nothing is below.
-        let sides = match (cells[0].max(cells[1])).simd_ge(0).any_true() {
-            true => [a.side(simd, tables, cells[0]), b.side(simd, tables, cells[1])],
-            false => cells,
+        let below = match (cells[0].max(cells[1])).simd_ge(0).any_true() {
+            true => [a.below(simd, tables, cells[0]), b.below(simd, tables, cells[1])],
+            false => [(cells[0], cells[0]); 2],
         };
         let ended = [
-            a.step::<EXACT, BOUNDED>(simd, tables, cells[0], sides[0]),
-            b.step::<EXACT, BOUNDED>(simd, tables, cells[1], sides[1]),
+            a.step::<EXACT, BOUNDED>(simd, tables, cells[0], below[0]),
+            b.step::<EXACT, BOUNDED>(simd, tables, cells[1], below[1]),
         ];
         a.retire(ended[0], ends);
         b.retire(ended[1], ends);
@@ -143,6 +146,8 @@ impl<S: Simd> Packet<S> {
             inverse: [zero; 3],
             up: [int; 3],
             octant: int,
+            part: int,
+            align: int,
             half: zero,
             stop: zero,
             end: zero,
@@ -180,6 +185,11 @@ impl<S: Simd> Packet<S> {
             octant |= self.up[i] & (1 << i);
         }
         self.octant = octant << (3 * tables.bits);
+        self.part = octant << 4 & 64;
+        let (six, twelve) = (S::i32s::splat(simd, 1 << 6), S::i32s::splat(simd, 1 << 12));
+        let one = S::i32s::splat(simd, 1);
+        let x = (octant & 1).simd_eq(0).select(six, one);
+        self.align = (octant & 2).simd_eq(0).select(x * twelve, x);
         load(simd, &walks.half, from, mask, &mut self.half);
         load(simd, &walks.stop, from, mask, &mut self.stop);
         load(simd, &walks.end, from, mask, &mut self.end);
@@ -193,28 +203,31 @@ impl<S: Simd> Packet<S> {
         gather(simd, tables.top, ((((z >> level) << bits) | (y >> level)) << bits | (x >> level)) | self.octant)
     }
 
-    /// From these words down: the side of the empty cube around the voxel, 0 if it is filled. Negative words, of empty
-    /// cells, give anything.
+    /// From these words down: the side of the cell that the voxel is in, 0 if it is filled; and the box of such cells that
+    /// is empty ahead, in the code of the wide tree. Negative words, of empty cells of the grid, give anything.
     #[inline(always)]
-    fn side(&self, simd: S, tables: &Tables<'_>, cell: S::i32s) -> S::i32s {
-        let zero = S::i32s::splat(simd, 0);
+    fn below(&self, simd: S, tables: &Tables<'_>, cell: S::i32s) -> (S::i32s, S::i32s) {
+        let (zero, one) = (S::i32s::splat(simd, 0), S::i32s::splat(simd, 1));
         let [x, y, z] = self.voxel;
         // Go down to the brick. What has met an empty cell looks on at node 0, and what it sees does not count.
-        let mut word = cell;
+        let (mut word, mut side) = (cell, zero);
         let mut level = tables.level;
         while level > 2 {
             level -= 2;
-            let place = (x >> level & 3) | (y >> level & 3) << 2 | (z >> level & 3) << 4;
+            let place = (x >> level & 3) | (y >> level & 3) << 2 | (z >> level & 3) << 4 | self.part;
             let below = gather(simd, tables.words, word.max(zero) + place);
-            word = word.simd_lt(zero).select(word, below);
+            let open = word.simd_lt(zero);
+            side = open.select(side, S::i32s::splat(simd, 1 << level));
+            word = open.select(word, below);
         }
         // Look at the voxel and at the 2^3 around it.
         let place = (x & 1) | (y & 1) << 1 | (z & 1) << 2 | (x & 2) << 2 | (y & 2) << 3 | (z & 2) << 4;
         let half = gather(simd, tables.words, word.max(zero) + (place >> 5));
         let eight = half >> (place & 24) & 0xff;
         let filled = eight >> (place & 7) & 1;
-        let side = eight.simd_eq(zero).select(S::i32s::splat(simd, 2), S::i32s::splat(simd, 1) - filled);
-        word.simd_lt(zero).select(word & i32::MAX, side)
+        let small = eight.simd_eq(zero).select(S::i32s::splat(simd, 2), one - filled);
+        let open = word.simd_lt(zero);
+        (open.select(side, small), open.select((word * self.align) >> 18 & 63, zero))
     }
 
     /// Leaves the boxes of all rays; gives the lanes that hit, those that missed, and those that cannot tell, which stay
@@ -225,17 +238,20 @@ impl<S: Simd> Packet<S> {
         simd: S,
         tables: &Tables<'_>,
         cell: S::i32s,
-        side: S::i32s,
+        (side, ahead): (S::i32s, S::i32s),
     ) -> [u64; 3] {
         let zero = S::i32s::splat(simd, 0);
         // Find when the ray crosses the planes ahead.
         let boxed = cell.simd_lt(zero);
         let level = tables.level;
         let far = [(cell & 0x1ff) << level, (cell >> 9 & 0x1ff) << level, (cell >> 18 & 0x1ff) << level];
+        let more = [ahead & 3, ahead >> 2 & 3, ahead >> 4];
         let mut planes = [zero; 3];
         let mut times = [S::f32s::splat(simd, 0.0); 3];
         for i in 0..3 {
-            planes[i] = boxed.select(far[i], (self.voxel[i] & (zero - side)) + (side & self.up[i]));
+            // One more than these cells upwards, less them downwards.
+            let cells = (more[i] ^ !self.up[i]) + 1;
+            planes[i] = boxed.select(far[i], (self.voxel[i] & (zero - side)) + side * cells);
             let plane: S::f32s = planes[i].to_float();
             times[i] = ((plane - self.base[i]) - self.off[i]) * self.inverse[i];
         }
