@@ -9,6 +9,7 @@ use voxdag::rank::{MoxelDagBuf, OffsetsBuf, Prefix};
 use voxdag::ranked::{Moxels, MoxelsBuf, Packed, PackedBuf, Palettes, PalettesBuf, Ranked};
 use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
+use voxdag::shade::Light;
 use voxdag::ssvdag::SsvdagBuf;
 use voxdag::table::Entry;
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
@@ -77,7 +78,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
     assert_no_alloc(|| {
         let scene = file::read(&words).unwrap();
         let camera = Camera::framing(&scene.bounds, scene.up);
-        let lights = [camera.headlight(scene.bounds.radius())];
+        let lights = [Light { shadow: true, ..camera.headlight(scene.bounds.radius()) }];
         for tracer in [Tracer::new(scene.geometry), Tracer::with_top(scene.geometry, top.as_top()).unwrap()] {
             let view =
                 View { tracer, materials: scene.materials, palette: &[Material::GREY], grid, camera, lights: &lights };

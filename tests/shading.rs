@@ -26,19 +26,19 @@ fn floor(view: [f64; 3]) -> Surface {
 }
 
 fn towards(direction: [f64; 3]) -> [Light; 1] {
-    [Light { kind: LightKind::Directional(direction), color: WHITE_LIGHT }]
+    [Light { kind: LightKind::Directional(direction), color: WHITE_LIGHT, shadow: false }]
 }
 
 fn lamp(position: [f64; 3]) -> [Light; 1] {
-    [Light { kind: LightKind::Point(position), color: WHITE_LIGHT }]
+    [Light { kind: LightKind::Point(position), color: WHITE_LIGHT, shadow: false }]
 }
 
 #[test]
 fn the_equation_is_phongs() {
     let material = Material { ambient: [0.1, 0.2, 0.3], ..shiny(3) };
     let lights = [
-        Light { kind: LightKind::Point([0.0, 2.0, 2.0]), color: [0.5, 1.0, 2.0] },
-        Light { kind: LightKind::Directional([3.0, 4.0, 0.0]), color: [1.0, 0.0, 1.0] },
+        Light { kind: LightKind::Point([0.0, 2.0, 2.0]), color: [0.5, 1.0, 2.0], shadow: false },
+        Light { kind: LightKind::Directional([3.0, 4.0, 0.0]), color: [1.0, 0.0, 1.0], shadow: false },
     ];
     let surface = floor([1.0, 1.0, -1.0]);
     let found = shade(&material, &surface, [0.5, 1.0, 0.0], &lights);
@@ -440,7 +440,7 @@ fn the_default_view_frames_the_box_either_way_up() {
 
 #[test]
 fn s07_the_strongest_lights_are_white_not_black() {
-    let lights = [Light { kind: LightKind::Point([3.0, 9.0, 9.0]), color: [3e38; 3] }];
+    let lights = [Light { kind: LightKind::Point([3.0, 9.0, 9.0]), color: [3e38; 3], shadow: false }];
     let material = Material { diffuse: [1.0; 3], specular: [2.0; 3], shininess: 1_000_000, illum: 2, ..Material::GREY };
     for angle in [0.1, 0.5, 0.9] {
         let surface =

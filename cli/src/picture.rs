@@ -84,7 +84,10 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memo
         let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
         in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
     });
-    let highlights = !lights.is_empty() && scene.palette.iter().any(has_highlight);
+    let effects = [
+        ("highlights", !lights.is_empty() && scene.palette.iter().any(has_highlight)),
+        ("shadows", lights.iter().any(|light| light.shadow)),
+    ];
     Ok(Picture {
         width,
         height,
@@ -93,7 +96,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memo
         rays: Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary },
         hits: counters.hits,
         supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
-        effects: if highlights { vec!["highlights"] } else { Vec::new() },
+        effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
         trace: start.elapsed(),
     })
 }
@@ -160,10 +163,11 @@ pub fn primary(scene: &Shown<'_>, camera: &CameraArgs, [width, height]: [u32; 2]
 
 /// The lights that the flags describe, or the default one.
 fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> {
+    let shadow = args.shadows;
     if args.lights.is_empty() {
-        return vec![camera.headlight(scene.bounds.radius())];
+        return vec![Light { shadow, ..camera.headlight(scene.bounds.radius()) }];
     }
-    args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color }).collect()
+    args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color, shadow }).collect()
 }
 
 fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {

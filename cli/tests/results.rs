@@ -1,7 +1,7 @@
 //! What the commands give: the same bytes however they are called, and reports that programs can read.
 
 mod common;
-use common::{OBJ, Sandbox};
+use common::{GRID, OBJ, Sandbox};
 use serde_json::Value;
 
 /// Every key of `keys` (dots go down) is there.
@@ -104,6 +104,7 @@ fn a_mesh_and_its_scene_give_the_same_picture() {
         ("--materials none", "--normals face --samples 1"),
         ("--materials table-normals", "--normals stored --samples 5"),
         ("--up-axis z", "--normals gradient --arithmetic f64 --light 3,4,5,1,0.5,0.2 --ambient 0.1,0.2,0.3"),
+        ("", "--shadows --light 3,4,5 --samples 5"),
         ("--cover thin", "--normals plane3 --eye -3,2,4 --target 0,0,0 --view-up 0,0,1 --fov 60"),
     ] {
         s.ok(&format!("build box.obj -o box.vxd -r 60 {build}"));
@@ -142,6 +143,33 @@ fn render_reports_what_it_did() {
     let hits = json["hits"].as_u64().unwrap();
     assert!(hits > 80 * 60 * 5 / 20 && hits < 80 * 60 * 5, "the box fills a part of the picture: {hits}");
     assert!(json["effects"].is_array());
+}
+
+#[test]
+fn shadows_fall_where_a_light_is_hidden() {
+    let s = Sandbox::new();
+    // Looks along -z at the fronts of an upper voxel, at the cube's border, and of a lower one, farther away.
+    s.scene("two.vxd", GRID, &[([1, 2, 3], 1), ([1, 0, 1], 2)]);
+    let render = |flags: &str| {
+        let view = "--size 9x9 --eye 10.75,21,40 --target 10.75,21,32 --fov 14 --normals face --samples 1";
+        let json = s.ok(&format!("render two.vxd -o two.png --json {view} {flags}")).json();
+        let pixels = image::load_from_memory(&s.read("two.png")).unwrap().into_rgba8();
+        (pixels.pixels().map(|p| p.0).collect::<Vec<_>>(), json)
+    };
+    const UPPER: usize = 3 * 9 + 4;
+    const LOWER: usize = 7 * 9 + 4;
+    // From above the upper voxel hides the lower one, from below it does not.
+    for (light, hides) in [("--light 10.75,24.25,34", true), ("--light 10.75,18,36", false)] {
+        let (lit, json) = render(light);
+        assert_eq!((&json["rays"]["shadow"], json["effects"].as_array().unwrap().len()), (&0.into(), 0));
+        let (found, json) = render(&format!("{light} --shadows"));
+        assert!(json["rays"]["shadow"].as_u64() > Some(0) && json["effects"][0] == "shadows", "{json:#}");
+        assert_eq!(found[UPPER], lit[UPPER], "{light}");
+        assert_eq!(found[LOWER] != lit[LOWER], hides, "{light}");
+        assert!(found.iter().zip(&lit).all(|(found, lit)| found[0] <= lit[0]));
+    }
+    // The default light casts shadows, too.
+    assert!(render("--shadows").1["rays"]["shadow"].as_u64() > Some(0));
 }
 
 #[test]

@@ -20,9 +20,10 @@ fn help_names_every_command_flag_and_default() {
         assert!(build.contains(word), "no `{word}` in\n{build}");
     }
     let render = s.ok("render --help").stdout;
-    for word in ["--size", "1280x720", "--eye", "--target", "--view-up", "--fov", "45", "--light", "--ambient", "0.2"]
-        .into_iter()
-        .chain(["--normals", "plane2", "--samples", "--arithmetic", "f64", "-r, --resolution"])
+    for word in
+        ["--size", "1280x720", "--eye", "--target", "--view-up", "--fov", "45", "--light", "--shadows", "--ambient"]
+            .into_iter()
+            .chain(["0.2", "--normals", "plane2", "--samples", "--arithmetic", "f64", "-r, --resolution"])
     {
         assert!(render.contains(word), "no `{word}` in\n{render}");
     }

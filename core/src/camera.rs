@@ -63,10 +63,10 @@ impl Camera {
         }
     }
 
-    /// The default light: white, `height` above the eye (half the diagonal of what is looked at).
+    /// The default light: white, `height` above the eye (half the diagonal of what is looked at), without shadows.
     pub fn headlight(&self, height: f64) -> Light {
         let up = math::normalize(self.up).unwrap_or([0.0; 3]);
-        Light { kind: LightKind::Point(math::add_scaled(self.eye, up, height)), color: [1.0; 3] }
+        Light { kind: LightKind::Point(math::add_scaled(self.eye, up, height)), color: [1.0; 3], shadow: false }
     }
 
     /// The same camera, its up a unit vector at right angles to the view, or what is wrong with it.

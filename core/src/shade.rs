@@ -3,7 +3,8 @@
 //! In: a material, a unit normal, the point, the way to the viewer, lights. Out: linear red, green, blue, unclamped:
 //! `Ia Ka + sum over lights (Id Kd (L.N) + Is Ks (V.R)^alpha)` with Id = Is = the light's colour. Differs from the
 //! thesis: no highlight from behind (`L.N <= 0`) or off the mirror direction (`V.R <= 0`); a light at the very point
-//! gives nothing. Ke, shadows and reflections are effects of their own and not part of this equation.
+//! gives nothing. Ke and reflections are effects of their own and not part of this equation. Nor is what stands in the way
+//! of a light: a renderer that casts shadows adds, one by one, the lights that it finds to reach the surface.
 //!
 //! Every term is skipped, not multiplied by 0, where it does not apply: a material without a highlight raises no power.
 
@@ -28,6 +29,8 @@ pub struct Light {
     pub kind: LightKind,
     /// Linear red, green, blue; 1 is white at full strength.
     pub color: [f32; 3],
+    /// Whether what stands in its way casts a shadow, hard-edged, in a picture.
+    pub shadow: bool,
 }
 
 impl Light {
@@ -38,6 +41,22 @@ impl Light {
             LightKind::Directional(direction) => math::normalize(direction),
         }
     }
+
+    /// How its light falls on `surface` if nothing is in the way; `None` if the surface faces away from it.
+    pub fn falls_on(&self, surface: &Surface) -> Option<Incidence> {
+        let direction = self.direction_from(surface.point)?.map(|x| x as f32);
+        let cosine = Vec3::from(direction).dot(Vec3::from(surface.normal));
+        (cosine > 0.0).then_some(Incidence { direction, cosine })
+    }
+}
+
+/// How light falls on a surface that faces it. See [`Light::falls_on`].
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Incidence {
+    /// Unit vector towards the light.
+    pub direction: [f32; 3],
+    /// Of the angle between it and the normal: above 0.
+    pub cosine: f32,
 }
 
 /// What is lit, and from where it is seen.
@@ -51,26 +70,37 @@ pub struct Surface {
     pub view: [f32; 3],
 }
 
-/// The light that `surface` sends to the viewer: linear red, green, blue, 0 or more.
+/// The light that `surface` sends to the viewer if nothing stands between it and the lights: linear red, green, blue, 0 or
+/// more. The sum of [`glow`] and [`reflect`] of each light that falls on it.
 pub fn shade(material: &Material, surface: &Surface, ambient: [f32; 3], lights: &[Light]) -> [f32; 3] {
-    let (normal, view) = (Vec3::from(surface.normal), Vec3::from(surface.view));
-    let mut color = Vec3::from(ambient) * Vec3::from(material.ambient);
-    for light in lights {
-        let Some(l) = light.direction_from(surface.point) else { continue };
-        let l = Vec3::from(l.map(|x| x as f32));
-        let facing = l.dot(normal);
-        if facing <= 0.0 {
-            continue;
-        }
-        // The weight goes first: what vanishes stays 0 however strong the light.
-        let strength = Vec3::from(light.color);
-        color += Vec3::from(material.diffuse) * facing * strength;
-        if has_highlight(material) {
-            // V.R with R = 2 (L.N) N - L.
-            let mirrored = 2.0 * facing * view.dot(normal) - view.dot(l);
-            if mirrored > 0.0 {
-                color += Vec3::from(material.specular) * power(mirrored, material.shininess) * strength;
-            }
+    let falling = lights.iter().filter_map(|light| Some((light, light.falls_on(surface)?)));
+    falling
+        .fold(glow(material, ambient), |color, (light, incidence)| reflect(color, material, surface, light, incidence))
+}
+
+/// What a material sends back of the light that comes from everywhere.
+#[inline]
+pub fn glow(material: &Material, ambient: [f32; 3]) -> [f32; 3] {
+    (Vec3::from(ambient) * Vec3::from(material.ambient)).to_array()
+}
+
+/// `color`, and what `surface` sends to the viewer of a light that falls on it.
+pub fn reflect(
+    color: [f32; 3],
+    material: &Material,
+    surface: &Surface,
+    light: &Light,
+    Incidence { direction, cosine }: Incidence,
+) -> [f32; 3] {
+    // The weight goes first: what vanishes stays 0 however strong the light.
+    let strength = Vec3::from(light.color);
+    let mut color = Vec3::from(color) + Vec3::from(material.diffuse) * cosine * strength;
+    if has_highlight(material) {
+        // V.R with R = 2 (L.N) N - L.
+        let view = Vec3::from(surface.view);
+        let mirrored = 2.0 * cosine * view.dot(Vec3::from(surface.normal)) - view.dot(Vec3::from(direction));
+        if mirrored > 0.0 {
+            color += Vec3::from(material.specular) * power(mirrored, material.shininess) * strength;
         }
     }
     color.to_array()

@@ -116,6 +116,7 @@ fn view() -> PictureArgs {
             fov: Some(view.fov_y),
         },
         lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
+        shadows: false,
         ambient: view.ambient,
         normals: NormalsArg::default(),
         samples: None,

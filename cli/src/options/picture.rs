@@ -51,6 +51,10 @@ pub struct PictureArgs {
     #[arg(long = "light", value_name = "X,Y,Z[,R,G,B]", value_parser = light, allow_hyphen_values = true)]
     pub lights: Vec<LightArg>,
 
+    /// Let the lights cast shadows, the default one included: a ray from each surface to each light that it faces
+    #[arg(long)]
+    pub shadows: bool,
+
     /// Light from everywhere: one number or three
     #[arg(long, value_name = "R,G,B", default_value = "0.2", value_parser = colour, allow_hyphen_values = true)]
     pub ambient: [f32; 3],

@@ -69,12 +69,21 @@ impl Samples {
     }
 
     /// All samples, one bit each.
-    pub(super) const fn all(self) -> u64 {
+    const fn all(self) -> u64 {
         u64::MAX >> (64 - self.count())
     }
 
+    /// The sample in the centre; none where the pattern has none there.
+    pub(super) const fn center(self) -> u64 {
+        match self {
+            Samples::One => 1,
+            Samples::Five => 1 << 4,
+            Samples::Four | Samples::Sixteen | Samples::SixtyFour => 0,
+        }
+    }
+
     /// The four corners of a grid of samples; all of the other patterns.
-    pub(super) const fn corners(self) -> u64 {
+    const fn corners(self) -> u64 {
         match self {
             Samples::Sixteen => 1 | 1 << 3 | 1 << 12 | 1 << 15,
             Samples::SixtyFour => 1 | 1 << 7 | 1 << 56 | 1 << 63,
@@ -84,7 +93,7 @@ impl Samples {
 }
 
 /// The place of [`Samples::One`].
-pub(super) const CENTER: [f64; 2] = [0.5; 2];
+const CENTER: [f64; 2] = [0.5; 2];
 
 /// Which pixels take all of a picture's [`Samples`].
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
@@ -136,6 +145,51 @@ impl Supersample {
         let layers = (f64::from(end - first) * share.clamp(0.0, 1.0)) as u32;
         let (from, to) = if ahead[axis] > 0.0 { (first, first + layers) } else { (end - layers, end) };
         Supersample::Slab { axis: axis as u8, from, to }
+    }
+    /// The samples of the pixel in the column and row `place`.
+    pub(super) fn plan(self, samples: Samples, place: [u32; 2]) -> Plan {
+        let one = (Samples::One, Samples::One.all());
+        let (first, others) = match self {
+            Supersample::All => ((samples, samples.all()), 0),
+            Supersample::Slab { .. } => (one, samples.all() & !samples.center()),
+            Supersample::Region { from, to } if (0..2).all(|i| (from[i]..to[i]).contains(&place[i])) => {
+                ((samples, samples.all()), 0)
+            }
+            Supersample::Region { .. } => return Plan { turns: [one, (samples, 0)], all: false },
+            Supersample::Adaptive { .. } => ((samples, samples.corners()), samples.all() & !samples.corners()),
+        };
+        Plan { turns: [first, (samples, others)], all: others == 0 }
+    }
+
+    /// Whether the pixel whose centre shows a voxel takes all samples because of that.
+    pub(super) fn chooses(self, voxel: Morton) -> bool {
+        let Supersample::Slab { axis, from, to } = self else { return false };
+        voxel.decode().get(usize::from(axis)).is_some_and(|layer| (from..to).contains(layer))
+    }
+}
+
+/// The samples of a pixel, in two turns.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Plan {
+    /// A pattern, and which of its samples, one bit each: to begin with, and where what these saw calls for more.
+    turns: [(Samples, u64); 2],
+    /// Whether the pixel takes both turns.
+    pub all: bool,
+}
+
+impl Plan {
+    /// The places of the samples of turn 0 or 1.
+    #[inline]
+    pub fn places(&self, turn: usize) -> impl Iterator<Item = [f64; 2]> + use<> {
+        let (pattern, mut left) = self.turns[turn];
+        if turn == 1 && !self.all {
+            left = 0;
+        }
+        core::iter::from_fn(move || {
+            let i = left.trailing_zeros();
+            left &= left.wrapping_sub(1);
+            (i < 64).then(|| pattern.position(i))
+        })
     }
 }
 

@@ -293,6 +293,18 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// Whether every ray meets any filled voxel; `blocked[i]` becomes the answer to `queries[i]`, as far as both slices
     /// reach.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let rays = [Query::new([0.5, 0.5, 9.0], [0.0, 0.0, -2.0]), Query::new([1.5, 0.5, 9.0], [0.0, 0.0, -2.0])];
+    /// let mut blocked = [false; 2];
+    /// tracer.occluded_many(Arithmetic::Exact, &rays, &mut blocked);
+    /// assert_eq!(blocked, [true, false]);
+    /// ```
     pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
         match packet::Packets::of(self, arithmetic) {
             Some(packets) => packets.occluded(&queries, blocked),

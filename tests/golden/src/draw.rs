@@ -36,7 +36,7 @@ impl Stage {
         // From above, so that its way to the surface is not the ray's; and a coloured one without a place.
         let above = Light { color: [0.7, 0.65, 0.6], ..camera.headlight(scene.bounds.radius()) };
         let beside = LightKind::Directional(scene.up.turn([-0.3, 0.7, 0.2]));
-        let lights = [above, Light { kind: beside, color: [0.2, 0.3, 0.45] }];
+        let lights = [above, Light { kind: beside, color: [0.2, 0.3, 0.45], shadow: false }];
         Stage { camera, lights, palette: core::array::from_fn(|id| scene.material(id as u16)) }
     }
 }

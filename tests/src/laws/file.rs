@@ -11,6 +11,7 @@ use voxdag::normal::{NormalKind, normal};
 use voxdag::rank::{AnyRank, MoxelDagBuf, OffsetsBuf, Prefix, Rank, Totals};
 use voxdag::ranked::{Packed, PackedBuf, Ranked};
 use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
+use voxdag::shade::Light;
 use voxdag::ssvdag::{Ssvdag, SsvdagBuf};
 use voxdag::table::{Entry, TableBuf};
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
@@ -261,7 +262,7 @@ fn trace_and_draw<G: Geometry>(scene: &Scene<'_>, geometry: G, palette: &[Materi
         }
     }
     let camera = Camera::framing(&scene.bounds, scene.up);
-    let lights = [camera.headlight(scene.bounds.radius())];
+    let lights = [Light { shadow: true, ..camera.headlight(scene.bounds.radius()) }];
     let view = View { tracer, materials: scene.materials, palette, grid: scene.grid, camera, lights: &lights };
     // A box at the end of the range of numbers has no camera; any other makes a picture.
     let mut pixels = [0; 16];

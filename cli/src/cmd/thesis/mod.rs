@@ -162,6 +162,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             size: args.size,
             camera: view.camera,
             lights: view.lights,
+            shadows: false,
             ambient: [0.2; 3],
             normals: NormalsArg::default(),
             samples: None,
