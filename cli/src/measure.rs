@@ -32,6 +32,11 @@ impl<'a> Arm<'a> {
         Arm { items: inputs.len(), block: BLOCK, work: Box::new(sum) }
     }
 
+    /// Over `0..items`, several at a time.
+    pub fn blocks(items: usize, work: impl Fn(Range<usize>) -> u64 + Sync + 'a) -> Arm<'a> {
+        Arm { items, block: BLOCK, work: Box::new(work) }
+    }
+
     /// Over `0..items`, where each item is work enough to be timed alone.
     pub fn pieces(items: usize, work: impl Fn(usize) -> u64 + Sync + 'a) -> Arm<'a> {
         let sum = move |range: Range<usize>| range.fold(0, |sum: u64, i| sum.wrapping_add(work(i)));

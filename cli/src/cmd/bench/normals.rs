@@ -45,6 +45,27 @@ fn with<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G, found: &[Found])
             n.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))
         })
     };
+    let (hits, dirs): (Vec<_>, Vec<_>) = found.iter().map(|f| (f.hit, f.dir)).unzip();
+    let many = |level: Option<voxdag::simd::Level>, kind, chunk: usize| {
+        let (hits, dirs) = (&hits, &dirs);
+        Arm::blocks(hits.len(), move |range| {
+            let mut out = vec![voxdag::normal::Normal { direction: [0.0; 3], confidence: voxdag::normal::Confidence::Face }; chunk];
+            let mut sum = 0u64;
+            for (h, d) in hits[range.clone()].chunks(chunk).zip(dirs[range].chunks(chunk)) {
+                voxdag::normal::normals(level, &tracer, materials, h, d, kind, &mut out);
+                sum = out[..h.len()].iter().fold(sum, |sum, n| sum.wrapping_add(n.direction.iter().fold(0, |sum: u64, x| sum.rotate_left(21) ^ u64::from(x.to_bits()))));
+            }
+            sum
+        })
+    };
+    let levels: Vec<_> = [None].into_iter().chain(voxdag::simd::Level::all().map(Some)).collect();
+    for (kind2, name) in [(NormalKind::Gradient, "gradient"), (NormalKind::Plane1, "plane1"), (NormalKind::Plane2, "plane2"), (NormalKind::Plane3, "plane3")] {
+        for chunk in [256, 4096, 16384] {
+        for &level in &levels {
+            let [a, b] = measure(run.repeat, [many(level, kind2, chunk), kind(kind2)])?;
+            println!("{name} {chunk} {:?} {} single {} {}", level.map(|l| l.name()), Cost::of(&a, found.len()).text(), Cost::of(&b, found.len()).text(), a.checksum == b.checksum);
+        }}
+    }
     let [face, gradient, plane1, plane2, plane3, ernerfeldt1, ernerfeldt2, stored] = measure(
         run.repeat,
         [
