@@ -3,10 +3,10 @@
 //! In: hits in any order; neighbours together are faster. Out: what [`normal`](super::normal) gives, bit for bit. Windows
 //! are cut from cubes that neighbours share, and planes are fitted in lanes where there are any.
 
-use super::cubes::Cache;
+use super::cubes::{Kept, Windows};
 use super::lanes::{self, BLOCK, Block};
 use super::window::Window;
-use super::{Confidence, Normal, NormalKind, entry_face, shaded};
+use super::{Confidence, Normal, NormalKind, View, entry_face, one, plane};
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::simd::Level;
@@ -24,28 +24,33 @@ pub fn normals<G: Geometry, M: Materials>(
     kind: NormalKind,
     out: &mut [Normal],
 ) {
-    let count = hits.len().min(dirs.len()).min(out.len());
-    let mut cache = Cache::new();
-    let (mut block, mut windows) = (Block::new(), [Window::default(); BLOCK]);
-    let fitted = match kind {
-        NormalKind::Plane1 => Some(1),
-        NormalKind::Plane2 => Some(2),
-        NormalKind::Plane3 => Some(3),
-        _ => None,
-    };
-    let blocks = hits[..count].chunks(BLOCK).zip(dirs[..count].chunks(BLOCK)).zip(out[..count].chunks_mut(BLOCK));
-    for ((hits, dirs), out) in blocks {
-        let (Some(level), Some(radius)) = (level, fitted) else {
+    let mut windows = Kept::new(tracer);
+    match (level, kind) {
+        (Some(level), NormalKind::Plane1) => planes::<1>(level, &mut windows, hits, dirs, out),
+        (Some(level), NormalKind::Plane2) => planes::<2>(level, &mut windows, hits, dirs, out),
+        (Some(level), NormalKind::Plane3) => planes::<3>(level, &mut windows, hits, dirs, out),
+        _ => {
             for ((hit, &dir), out) in hits.iter().zip(dirs).zip(out) {
-                *out = shaded(materials, hit, dir, kind, |radius| {
-                    Window::around(hit.voxel.decode(), radius, |place| *cache.cube(tracer, place))
-                });
+                *out = one(&mut windows, materials, hit, dir, kind);
             }
-            continue;
-        };
+        }
+    }
+}
+
+/// Planes of the window's radius.
+fn planes<const RADIUS: usize>(
+    level: Level,
+    windows: &mut impl Windows,
+    hits: &[Hit],
+    dirs: &[[f64; 3]],
+    out: &mut [Normal],
+) {
+    let mut block = Block::new();
+    let mut kept = [Window::<RADIUS>::default(); BLOCK];
+    for ((hits, dirs), out) in hits.chunks(BLOCK).zip(dirs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
         for (i, (hit, &dir)) in hits.iter().zip(dirs).enumerate() {
-            windows[i] = Window::around(hit.voxel.decode(), radius, |place| *cache.cube(tracer, place));
-            let (sums, face) = (windows[i].sums(radius).0, entry_face(hit.face, dir));
+            kept[i] = windows.window(hit.voxel.decode());
+            let (sums, face) = (kept[i].sums().0, entry_face(hit.face, dir));
             for k in 0..6 {
                 block.sums[k][i] = sums[k];
             }
@@ -54,11 +59,12 @@ pub fn normals<G: Geometry, M: Materials>(
                 block.dir[k][i] = dir[k];
             }
         }
-        lanes::fit(level, &mut block, hits.len(), radius);
-        for (i, (hit, &dir)) in hits.iter().zip(dirs).enumerate() {
+        lanes::fit(level, &mut block, hits.len(), RADIUS);
+        for (i, ((hit, &dir), out)) in hits.iter().zip(dirs).zip(out).enumerate() {
             let ratio = block.ratio[i];
-            out[i] = if ratio < 0.0 {
-                shaded(materials, hit, dir, kind, |_| windows[i])
+            *out = if ratio < 0.0 {
+                let view = View::new(hit.face, dir);
+                view.plane(&kept[i], plane::fit).unwrap_or_else(|| view.entry())
             } else {
                 Normal {
                     direction: [0, 1, 2].map(|k| block.normal[k][i] as f32),

@@ -8,6 +8,7 @@
 //! cube  eight slices z, bit 8 y + x            brick, a byte per octant  zz yy xx -> zyx zyx (bit of the code)
 //! ```
 
+use super::window::Window;
 use crate::dag::BRICK_LEVEL;
 use crate::geometry::Geometry;
 use crate::morton::Morton;
@@ -16,21 +17,14 @@ use crate::trace::Tracer;
 /// 8^3 voxels: slices z with bit `8 y + x`.
 pub(super) type Cube = [u64; 8];
 
-/// The bricks, one bit per octant, of the cube at `place` (in cubes) that hold a voxel between `lo` and `hi`.
-pub(super) fn bricks_between(place: [i32; 3], lo: [i32; 3], hi: [i32; 3]) -> u8 {
-    // Of each axis, the octants of the lower and of the upper half.
-    let halves = [[0x55, 0xaa], [0x33, 0xcc], [0x0f, 0xf0]];
-    (0..3).fold(0xff, |bricks, i| {
-        let middle = 8 * place[i] + 4;
-        bricks & (if lo[i] < middle { halves[i][0] } else { 0 } | if hi[i] >= middle { halves[i][1] } else { 0 })
-    })
-}
-
 /// The cube at `place` (in cubes): of its bricks those in `wanted`, one bit per octant.
 #[inline]
 pub(super) fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted: u8) -> Cube {
     let geometry = tracer.geometry();
     let mut cube = [0; 8];
+    if wanted == 0 {
+        return cube;
+    }
     // A negative place is far outside.
     let corner = place.map(|c| (c as u32) << 3);
     if corner.iter().any(|&c| c >> geometry.depth() != 0) {
@@ -88,31 +82,81 @@ fn rows(brick: u64) -> [u32; 4] {
     [even as u32, odd as u32, (even >> 32) as u32, (odd >> 32) as u32]
 }
 
+/// What windows come from.
+pub(super) trait Windows {
+    /// The window around a voxel.
+    fn window<const RADIUS: usize>(&mut self, center: [u32; 3]) -> Window<RADIUS>;
+}
+
+/// Windows that have nothing in common: only their own bricks are read.
+pub(super) struct Alone<'t, 'a, G>(pub &'t Tracer<'a, G>);
+
+impl<G: Geometry> Windows for Alone<'_, '_, G> {
+    #[inline]
+    fn window<const RADIUS: usize>(&mut self, center: [u32; 3]) -> Window<RADIUS> {
+        let (place, first) = Window::<RADIUS>::start(center);
+        let cubes: [Cube; 8] =
+            core::array::from_fn(|next| read(self.0, after(place, next), Window::<RADIUS>::bricks(first, next)));
+        Window::cut(first, cubes.each_ref())
+    }
+}
+
 /// Number of cubes that are kept.
 const KEPT: usize = 256;
 
-/// The cubes that were read last.
-pub(super) struct Cache {
-    /// Place of the cube in each slot, 21 bits for an axis.
+/// Windows of neighbours: the cubes that were read last are kept.
+pub(super) struct Kept<'t, 'a, G> {
+    tracer: &'t Tracer<'a, G>,
+    /// Place of the cube in each slot.
     places: [u64; KEPT],
     cubes: [Cube; KEPT],
+    /// Place of the cube where the last window started, and the slots of those around it.
+    last: u64,
+    slots: [usize; 8],
 }
 
-impl Cache {
-    pub(super) fn new() -> Cache {
-        Cache { places: [u64::MAX; KEPT], cubes: [[0; 8]; KEPT] }
+impl<'t, 'a, G: Geometry> Kept<'t, 'a, G> {
+    pub(super) fn new(tracer: &'t Tracer<'a, G>) -> Self {
+        Kept { tracer, places: [u64::MAX; KEPT], cubes: [[0; 8]; KEPT], last: u64::MAX, slots: [0; 8] }
     }
 
-    /// The cube at `place`.
-    #[inline]
-    pub(super) fn cube<G: Geometry>(&mut self, tracer: &Tracer<'_, G>, place: [i32; 3]) -> &Cube {
-        let [x, y, z] = place.map(|c| u64::from(c as u32 & 0x1f_ffff));
-        let slot = (x + 11 * y + 121 * z) as usize % KEPT;
-        let place_word = x | y << 21 | z << 42;
-        if self.places[slot] != place_word {
-            self.places[slot] = place_word;
-            self.cubes[slot] = read(tracer, place, 0xff);
+    /// Makes sure that the cubes are there which begin at `place`.
+    #[inline(never)]
+    fn find(&mut self, place: [i32; 3]) {
+        for (next, slot) in self.slots.iter_mut().enumerate() {
+            let place = after(place, next);
+            let word = word(place);
+            *slot = (place[0] + 11 * place[1] + 121 * place[2]) as usize % KEPT;
+            if self.places[*slot] != word {
+                self.places[*slot] = word;
+                self.cubes[*slot] = read(self.tracer, place, 0xff);
+            }
         }
-        &self.cubes[slot]
     }
+}
+
+impl<G: Geometry> Windows for Kept<'_, '_, G> {
+    #[inline(always)]
+    fn window<const RADIUS: usize>(&mut self, center: [u32; 3]) -> Window<RADIUS> {
+        let (place, first) = Window::<RADIUS>::start(center);
+        let word = word(place);
+        if self.last != word {
+            self.last = word;
+            self.find(place);
+        }
+        Window::cut(first, self.slots.map(|slot| &self.cubes[slot % KEPT]))
+    }
+}
+
+/// The cube that follows one along the axes whose bits are set.
+#[inline(always)]
+fn after(place: [i32; 3], axes: usize) -> [i32; 3] {
+    core::array::from_fn(|i| place[i] + (axes >> i & 1) as i32)
+}
+
+/// A place in one word, 21 bits for an axis.
+#[inline(always)]
+fn word(place: [i32; 3]) -> u64 {
+    let [x, y, z] = place.map(|c| u64::from(c as u32 & 0x1f_ffff));
+    x | y << 21 | z << 42
 }

@@ -24,6 +24,7 @@ use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::math;
 use crate::trace::{Face, Hit, Tracer};
+use cubes::{Alone, Windows};
 use plane::Fit;
 use window::{Moments, Window};
 
@@ -91,33 +92,32 @@ pub fn normal<G: Geometry, M: Materials>(
     dir: [f64; 3],
     kind: NormalKind,
 ) -> Normal {
-    let center = hit.voxel.decode();
-    shaded(materials, hit, dir, kind, |radius| Window::alone(tracer, center, radius))
+    one(&mut Alone(tracer), materials, hit, dir, kind)
 }
 
-/// The normal at `hit`, in the window of a radius that `window` gives.
+/// The normal at `hit`.
 #[inline]
-fn shaded<M: Materials>(
+fn one<M: Materials>(
+    windows: &mut impl Windows,
     materials: M,
     hit: &Hit,
     dir: [f64; 3],
     kind: NormalKind,
-    window: impl FnOnce(usize) -> Window,
 ) -> Normal {
-    let view = View::new(hit.face, dir);
+    let (view, center) = (View::new(hit.face, dir), hit.voxel.decode());
     let stored = || {
         let n = math::normalize(materials.normal(hit.voxel)?.map(f64::from))?;
         oriented(n, view.outwards, Confidence::Stored)
     };
     let found = match kind {
         NormalKind::Face => None,
-        NormalKind::Stored => stored().or_else(|| view.plane(&window(2), 2, plane::fit)),
-        NormalKind::Gradient => view.gradient(&window(1), 1),
-        NormalKind::Plane1 => view.plane(&window(1), 1, plane::fit),
-        NormalKind::Plane2 => view.plane(&window(2), 2, plane::fit),
-        NormalKind::Plane3 => view.plane(&window(3), 3, plane::fit),
-        NormalKind::Ernerfeldt1 => view.plane(&window(1), 1, ernerfeldt::fit),
-        NormalKind::Ernerfeldt2 => view.plane(&window(2), 2, ernerfeldt::fit),
+        NormalKind::Stored => stored().or_else(|| view.plane(&windows.window::<2>(center), plane::fit)),
+        NormalKind::Gradient => view.gradient(&windows.window::<1>(center)),
+        NormalKind::Plane1 => view.plane(&windows.window::<1>(center), plane::fit),
+        NormalKind::Plane2 => view.plane(&windows.window::<2>(center), plane::fit),
+        NormalKind::Plane3 => view.plane(&windows.window::<3>(center), plane::fit),
+        NormalKind::Ernerfeldt1 => view.plane(&windows.window::<1>(center), ernerfeldt::fit),
+        NormalKind::Ernerfeldt2 => view.plane(&windows.window::<2>(center), ernerfeldt::fit),
     };
     found.unwrap_or_else(|| view.entry())
 }
@@ -144,9 +144,9 @@ impl View {
         Normal { direction: self.face.map(|x| x as f32), confidence: Confidence::Face }
     }
 
-    /// From the voxels in a window of this radius; `None`: entry face.
-    fn plane(&self, window: &Window, radius: usize, fit: fn(&Moments) -> Fit) -> Option<Normal> {
-        let moments = window.sums(radius).moments();
+    /// From the voxels in a window; `None`: entry face.
+    fn plane<const RADIUS: usize>(&self, window: &Window<RADIUS>, fit: fn(&Moments) -> Fit) -> Option<Normal> {
+        let moments = window.sums().moments();
         match fit(&moments) {
             Fit::Point => None,
             Fit::Line(line) => {
@@ -155,23 +155,23 @@ impl View {
                 let across = math::normalize(math::cross(line, math::cross(self.dir, line)))?;
                 oriented(across, self.dir.map(|x| -x), Confidence::Line)
             }
-            Fit::Solid => self.gradient(window, radius),
+            Fit::Solid => self.gradient(window),
             Fit::Regression(normal) => oriented(normal, self.face, Confidence::Regression),
             Fit::Plane { normal, ratio } => {
-                let outwards = math::add_scaled(self.outwards, moments.out_of_center(radius), 1.0);
+                let outwards = math::add_scaled(self.outwards, moments.out_of_center(RADIUS), 1.0);
                 oriented(normal, outwards, Confidence::Plane { ratio: ratio as f32 })
             }
         }
     }
 
     /// From filled to empty among the six neighbours in the middle of a window; outside the cube is empty. `None`: entry face.
-    fn gradient(&self, window: &Window, radius: usize) -> Option<Normal> {
+    fn gradient<const RADIUS: usize>(&self, window: &Window<RADIUS>) -> Option<Normal> {
         let filled = |axis: usize, at: usize| {
-            let mut neighbour = [radius; 3];
+            let mut neighbour = [RADIUS; 3];
             neighbour[axis] = at;
             f64::from(u8::from(window.contains(neighbour)))
         };
-        let gradient = core::array::from_fn(|i| filled(i, radius - 1) - filled(i, radius + 1));
+        let gradient = core::array::from_fn(|i| filled(i, RADIUS - 1) - filled(i, RADIUS + 1));
         oriented(gradient, self.outwards, Confidence::Gradient)
     }
 }

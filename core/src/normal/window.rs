@@ -7,18 +7,13 @@
 //! Moments are summed row by row from a table: no population counts, which baseline x86-64 and wasm32 lack or emulate, and
 //! no look-up per voxel.
 
-use super::cubes::{self, Cube};
-use crate::geometry::Geometry;
-use crate::trace::Tracer;
+use super::cubes::Cube;
 
-/// The greatest radius.
-pub(super) const MAX_RADIUS: usize = 3;
-
-/// The voxels around a voxel.
+/// The voxels at most `RADIUS` (1 to 3) away from a voxel along each axis.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Window {
+pub(super) struct Window<const RADIUS: usize> {
     /// Slices z with bit `8 y + x`.
-    slices: [u64; 2 * MAX_RADIUS + 1],
+    slices: [u64; 7],
 }
 
 /// Sums over a window: with weights 1, z, z (z + 1) / 2, y, y z, y (y + 1) / 2 those of 1, x and xx, 16 bits each.
@@ -55,47 +50,46 @@ const ROWS: [u64; 128] = {
     table
 };
 
-impl Window {
-    /// The window around a voxel that has no neighbours: only its own bricks are read.
-    pub(super) fn alone<G: Geometry>(tracer: &Tracer<'_, G>, center: [u32; 3], radius: usize) -> Window {
-        let [lo, hi] = [-1, 1].map(|side| center.map(|c| c as i32 + side * radius as i32));
-        Window::around(center, radius, |place| cubes::read(tracer, place, cubes::bricks_between(place, lo, hi)))
+impl<const RADIUS: usize> Window<RADIUS> {
+    /// Voxels along a side.
+    const SIDE: usize = 2 * RADIUS + 1;
+
+    /// The cube, in cubes, that holds the first voxel of the window around `center`, and that voxel's place in it.
+    #[inline(always)]
+    pub(super) fn start(center: [u32; 3]) -> ([i32; 3], [u32; 3]) {
+        let first = center.map(|c| c as i32 - RADIUS as i32);
+        (first.map(|c| c >> 3), first.map(|c| (c & 7) as u32))
     }
 
-    /// The voxels at most `radius` away from `center` along each axis, from what `cube` says the cubes (numbered in cubes) hold.
+    /// The bricks that a window which starts at `first` of a cube meets, one bit per octant: of that cube or, along axes whose
+    /// bit is set in `next`, of that after it.
     #[inline(always)]
-    pub(super) fn around(center: [u32; 3], radius: usize, mut cube: impl FnMut([i32; 3]) -> Cube) -> Window {
-        let side = 2 * radius as i32 + 1;
-        let lo = center.map(|c| c as i32 - radius as i32);
-        let last = lo.map(|c| (c + side - 1) >> 3);
-        let mut window = Window::default();
-        for z in lo[2] >> 3..=last[2] {
-            for y in lo[1] >> 3..=last[1] {
-                for x in lo[0] >> 3..=last[0] {
-                    window.place(&cube([x, y, z]), [8 * x - lo[0], 8 * y - lo[1], 8 * z - lo[2]], side);
-                }
-            }
-        }
-        // Clear what lies beyond the window.
-        let square = (0x0101_0101_0101_0101 & ((1u64 << (8 * side)) - 1)) * ((1 << side) - 1);
-        for slice in &mut window.slices {
-            *slice &= square;
-        }
-        window
+    pub(super) fn bricks(first: [u32; 3], next: usize) -> u8 {
+        // Of each axis, the octants of the lower and of the upper half.
+        let halves = [[0x55, 0xaa], [0x33, 0xcc], [0x0f, 0xf0]];
+        (0..3).fold(0xff, |bricks, i| {
+            let start = 8 * (next >> i & 1) as u32;
+            let meets = |from: u32| first[i] < from + 4 && first[i] + Self::SIDE as u32 > from;
+            let half = |k: usize| if meets(start + 4 * k as u32) { halves[i][k] } else { 0 };
+            bricks & (half(0) | half(1))
+        })
     }
 
-    /// Adds a cube that begins at `at`, at least -7, counted from the window's first voxel.
+    /// Cuts out the window that starts at `first` of the cube 0; the others follow it along x (1), y (2) and z (4).
     #[inline(always)]
-    fn place(&mut self, cube: &Cube, at: [i32; 3], side: i32) {
-        // The columns that stay within their rows.
-        let columns = 0x0101_0101_0101_0101 * if at[0] < 0 { 0xff << -at[0] & 0xff } else { 0xff >> at[0] };
-        let shift = 8 * at[1] + at[0];
-        let (left, right) = (shift.max(0) as u32, (-shift).max(0) as u32);
-        let (from, to) = ((-at[2]).max(0) as usize, (side - at[2]).min(8) as usize);
-        let first = (at[2].max(0)) as usize;
-        for (slice, &voxels) in self.slices.iter_mut().skip(first).zip(&cube[from..to]) {
-            *slice |= (voxels & columns) << left >> right;
+    pub(super) fn cut([x, y, z]: [u32; 3], cubes: [&Cube; 8]) -> Self {
+        let left = 0x0101_0101_0101_0101 * (0xff >> x);
+        // The window's rows and columns.
+        let square = (u64::MAX >> (64 - 8 * Self::SIDE)) & (0x0101_0101_0101_0101 * ((1 << Self::SIDE) - 1));
+        let mut slices = [0; 7];
+        for (slice, z) in slices[..Self::SIDE].iter_mut().zip(z as usize..) {
+            let row = |cube: usize| {
+                let slice = |next: usize| cubes[cube + next + (z >> 3 & 1) * 4][z & 7];
+                (slice(0) >> x & left) | (slice(1) << (8 - x) & !left)
+            };
+            *slice = (row(0) >> (8 * y) | row(2) << 1 << (63 - 8 * y)) & square;
         }
+        Window { slices }
     }
 
     /// Whether the voxel at `at` from the window's first one is filled.
@@ -103,16 +97,15 @@ impl Window {
         self.slices[z] >> (8 * y + x) & 1 != 0
     }
 
-    /// The sums over a window of this radius.
+    /// The sums over the window.
     #[inline(always)]
-    pub(super) fn sums(&self, radius: usize) -> Sums {
-        let side = 2 * radius + 1;
+    pub(super) fn sums(&self) -> Sums {
         let mut sums = [0; 6];
-        for &slice in self.slices[..side].iter().rev() {
+        for &slice in self.slices[..Self::SIDE].iter().rev() {
             // By y: what is added last of all counts once, what was added first y times.
             let row = |y: usize| ROWS[(slice >> (8 * y) & 0x7f) as usize];
             let (mut plain, mut by_y, mut by_yy) = (0, 0, 0);
-            for y in (1..side).rev() {
+            for y in (1..Self::SIDE).rev() {
                 plain += row(y);
                 by_y += plain;
                 by_yy += by_y;
