@@ -110,26 +110,31 @@ pub(super) struct Kept<'t, 'a, G> {
     /// Place of the cube in each slot.
     places: [u64; KEPT],
     cubes: [Cube; KEPT],
-    /// Place of the cube where the last window started, and the slots of those around it.
+    /// Place of the cube where the last window started, the slots of those around it, and one bit for each that is there.
     last: u64,
     slots: [usize; 8],
+    found: u8,
 }
 
 impl<'t, 'a, G: Geometry> Kept<'t, 'a, G> {
     pub(super) fn new(tracer: &'t Tracer<'a, G>) -> Self {
-        Kept { tracer, places: [u64::MAX; KEPT], cubes: [[0; 8]; KEPT], last: u64::MAX, slots: [0; 8] }
+        Kept { tracer, places: [u64::MAX; KEPT], cubes: [[0; 8]; KEPT], last: u64::MAX, slots: [0; 8], found: 0 }
     }
 
-    /// Makes sure that the cubes are there which begin at `place`.
+    /// Finds the cubes that begin at `place`, of which one bit each is set in `missing`.
     #[inline(never)]
-    fn find(&mut self, place: [i32; 3]) {
-        for (next, slot) in self.slots.iter_mut().enumerate() {
+    fn find(&mut self, place: [i32; 3], mut missing: u8) {
+        self.found |= missing;
+        while missing != 0 {
+            let next = missing.trailing_zeros() as usize;
+            missing &= missing - 1;
             let place = after(place, next);
+            let slot = (place[0] + 11 * place[1] + 121 * place[2]) as usize % KEPT;
             let word = word(place);
-            *slot = (place[0] + 11 * place[1] + 121 * place[2]) as usize % KEPT;
-            if self.places[*slot] != word {
-                self.places[*slot] = word;
-                self.cubes[*slot] = read(self.tracer, place, 0xff);
+            self.slots[next] = slot;
+            if self.places[slot] != word {
+                self.places[slot] = word;
+                self.cubes[slot] = read(self.tracer, place, 0xff);
             }
         }
     }
@@ -142,7 +147,11 @@ impl<G: Geometry> Windows for Kept<'_, '_, G> {
         let word = word(place);
         if self.last != word {
             self.last = word;
-            self.find(place);
+            self.found = 0;
+        }
+        let missing = Window::<RADIUS>::cubes(first) & !self.found;
+        if missing != 0 {
+            self.find(place, missing);
         }
         Window::cut(first, self.slots.map(|slot| &self.cubes[slot % KEPT]))
     }

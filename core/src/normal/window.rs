@@ -75,6 +75,14 @@ impl<const RADIUS: usize> Window<RADIUS> {
         })
     }
 
+    /// The cubes that a window which starts at `first` of the cube 0 meets, one bit each; the others follow it along x (1), y (2)
+    /// and z (4).
+    #[inline(always)]
+    pub(super) fn cubes(first: [u32; 3]) -> u8 {
+        let axes = (0..3).fold(0, |axes, i| axes | usize::from(first[i] + Self::SIDE as u32 > 8) << i);
+        [0x01, 0x03, 0x05, 0x0f, 0x11, 0x33, 0x55, 0xff][axes]
+    }
+
     /// Cuts out the window that starts at `first` of the cube 0; the others follow it along x (1), y (2) and z (4).
     #[inline(always)]
     pub(super) fn cut([x, y, z]: [u32; 3], cubes: [&Cube; 8]) -> Self {
