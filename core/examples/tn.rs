@@ -14,12 +14,12 @@ fn main() {
     let words = voxdag::file::words_from_bytes(&bytes).unwrap();
     let scene = voxdag::file::read(&words).unwrap();
     let tile: u32 = args[2].parse().unwrap();
-    let arg = args[3].clone();
+    let arg = args[3].clone(); let chunk: usize = std::env::var("CHUNK").map_or(256, |c| c.parse().unwrap());
     let camera = Camera::framing(&scene.bounds, scene.up);
     let rays = camera.rays(1920, 1080).unwrap();
     let eye = scene.grid.to_grid(camera.eye);
     let mut pixels: Vec<[u32; 2]> = (0..1080).flat_map(|y| (0..1920).map(move |x| [x, y])).collect();
-    if tile > 0 { pixels.sort_by_key(|p| (p[1] / tile, p[0] / tile, p[1], p[0])); }
+    if tile > 0 { pixels.sort_by_key(|p| (p[1] / (if tile == 16 { 4 } else { tile }), p[0] / tile, p[1], p[0])); }
     match_geometry!(scene.geometry, dag => {
     let top = TopBuf::new(&dag, 6).unwrap();
     let tracer = Tracer::with_top(dag, top.as_top()).unwrap();
@@ -36,9 +36,18 @@ fn main() {
         if let Some(one) = args.get(4) {
             let level = voxdag::simd::Level::all().find(|l| l.name() == one);
             let mut best = 1e9f64;
+            if one == "single" {
+                for _ in 0..15 {
+                    let t = Clock::now();
+                    for i in 0..hits.len() { plain[i] = normal(&tracer, Single(0), &hits[i], dirs[i], kind); }
+                    best = best.min(1e9 * t.elapsed().as_secs_f64() / hits.len() as f64);
+                }
+                println!("{name} {best:.1}");
+                continue;
+            }
             for _ in 0..30 {
                 let t = Clock::now();
-                for ((h, d), o) in hits.chunks(256).zip(dirs.chunks(256)).zip(out.chunks_mut(256)) {
+                for ((h, d), o) in hits.chunks(chunk).zip(dirs.chunks(chunk)).zip(out.chunks_mut(chunk)) {
                     normals(level, &tracer, Single(0), h, d, kind, o);
                 }
                 best = best.min(1e9 * t.elapsed().as_secs_f64() / hits.len() as f64);
@@ -53,7 +62,7 @@ fn main() {
             best[6] = best[6].min(1e9 * t.elapsed().as_secs_f64() / hits.len() as f64);
             for (i, &level) in levels.iter().enumerate() {
                 let t = Clock::now();
-                for ((h, d), o) in hits.chunks(256).zip(dirs.chunks(256)).zip(out.chunks_mut(256)) {
+                for ((h, d), o) in hits.chunks(chunk).zip(dirs.chunks(chunk)).zip(out.chunks_mut(chunk)) {
                     normals(level, &tracer, Single(0), h, d, kind, o);
                 }
                 best[i] = best[i].min(1e9 * t.elapsed().as_secs_f64() / hits.len() as f64);

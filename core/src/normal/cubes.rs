@@ -17,18 +17,14 @@ use crate::trace::Tracer;
 /// 8^3 voxels: slices z with bit `8 y + x`.
 pub(super) type Cube = [u64; 8];
 
-/// The cube at `place` (in cubes): of its bricks those in `wanted`, one bit per octant.
+/// Adds to `cube`, which lies at `place` (in cubes), the voxels of its bricks in `wanted`, one bit per octant.
 #[inline]
-pub(super) fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted: u8) -> Cube {
+fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted: u8, cube: &mut Cube) {
     let geometry = tracer.geometry();
-    let mut cube = [0; 8];
-    if wanted == 0 {
-        return cube;
-    }
     // A negative place is far outside.
     let corner = place.map(|c| (c as u32) << 3);
     if corner.iter().any(|&c| c >> geometry.depth() != 0) {
-        return cube;
+        return;
     }
 
     // Descend to the cube's node; without any above the bricks, search for each of them.
@@ -42,7 +38,7 @@ pub(super) fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted:
             node = geometry.child_or_empty(node, level + 1, u32::from(code.octant(level)));
         }
         if node == G::EMPTY {
-            return cube;
+            return;
         }
         left &= geometry.mask(node, BRICK_LEVEL + 1);
     }
@@ -65,7 +61,6 @@ pub(super) fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted:
             cube[4 * half[2] + z] |= u64::from(rows) << (32 * half[1] + 4 * half[0]);
         }
     }
-    cube
 }
 
 /// A brick's slices: a byte for each of the four rows, bit x.
@@ -95,14 +90,19 @@ impl<G: Geometry> Windows for Alone<'_, '_, G> {
     #[inline]
     fn window<const RADIUS: usize>(&mut self, center: [u32; 3]) -> Window<RADIUS> {
         let (place, first) = Window::<RADIUS>::start(center);
-        let cubes: [Cube; 8] =
-            core::array::from_fn(|next| read(self.0, after(place, next), Window::<RADIUS>::bricks(first, next)));
+        let mut cubes = [[0; 8]; 8];
+        let mut met = Window::<RADIUS>::cubes(first);
+        while met != 0 {
+            let next = met.trailing_zeros() as usize;
+            met &= met - 1;
+            read(self.0, after(place, next), Window::<RADIUS>::bricks(first, next), &mut cubes[next]);
+        }
         Window::cut(first, cubes.each_ref())
     }
 }
 
 /// Number of cubes that are kept.
-const KEPT: usize = 256;
+const KEPT: usize = 64;
 
 /// Windows of neighbours: the cubes that were read last are kept.
 pub(super) struct Kept<'t, 'a, G> {
@@ -134,7 +134,8 @@ impl<'t, 'a, G: Geometry> Kept<'t, 'a, G> {
             self.slots[next] = slot;
             if self.places[slot] != word {
                 self.places[slot] = word;
-                self.cubes[slot] = read(self.tracer, place, 0xff);
+                self.cubes[slot] = [0; 8];
+                read(self.tracer, place, 0xff, &mut self.cubes[slot]);
             }
         }
     }

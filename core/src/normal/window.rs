@@ -61,17 +61,16 @@ impl<const RADIUS: usize> Window<RADIUS> {
         (first.map(|c| c >> 3), first.map(|c| (c & 7) as u32))
     }
 
-    /// The bricks that a window which starts at `first` of a cube meets, one bit per octant: of that cube or, along axes whose
-    /// bit is set in `next`, of that after it.
+    /// The bricks, one bit per octant, that a window which starts at `first` of a cube meets: those of that cube or, along axes
+    /// whose bit is set in `next`, of the one after it.
     #[inline(always)]
     pub(super) fn bricks(first: [u32; 3], next: usize) -> u8 {
-        // Of each axis, the octants of the lower and of the upper half.
-        let halves = [[0x55, 0xaa], [0x33, 0xcc], [0x0f, 0xf0]];
+        // By axis: the octants of neither half, of the lower one, of the upper one, and of both.
+        let octants = [[0, 0x55, 0xaa, 0xff], [0, 0x33, 0xcc, 0xff], [0, 0x0f, 0xf0, 0xff]];
         (0..3).fold(0xff, |bricks, i| {
-            let start = 8 * (next >> i & 1) as u32;
-            let meets = |from: u32| first[i] < from + 4 && first[i] + Self::SIDE as u32 > from;
-            let half = |k: usize| if meets(start + 4 * k as u32) { halves[i][k] } else { 0 };
-            bricks & (half(0) | half(1))
+            let (from, to) = (first[i] / 4, (first[i] + Self::SIDE as u32 - 1) / 4);
+            let met = (2 << to) - (1usize << from);
+            bricks & octants[i][met >> (2 * (next >> i & 1)) & 3]
         })
     }
 
