@@ -1,20 +1,22 @@
 //! Normals at many hits.
 //!
-//! In: hits in any order; neighbours together are faster. Out: what [`normal`](super::normal) gives, bit for bit. Windows
-//! are cut from cubes that neighbours share, and planes are fitted in lanes where there are any.
+//! In: hits, best in an order in which neighbours follow each other, and the directions of their rays. Out: what
+//! [`normal`](super::normal()) gives, bit for bit. Windows are cut from cubes that neighbours share; planes are fitted block
+//! by block, and what is no plane one by one.
 
 use super::cubes::{Kept, Windows};
-use super::lanes::{self, BLOCK, Block};
+use super::lanes::{BLOCK, Block};
 use super::window::Window;
-use super::{Confidence, Normal, NormalKind, View, entry_face, one, plane};
+use super::{Confidence, Normal, NormalKind, View, one, plane};
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::simd::Level;
 use crate::trace::{Hit, Tracer};
 
-/// The normals at `hits`, which rays along `dirs` found: `out[i]` becomes [`normal`](super::normal) at `hits[i]` along
-/// `dirs[i]`, bit for bit, as far as all three slices reach. Fastest where hits that follow each other are neighbours.
-/// `level` says in which vectors planes are fitted; `None` is one by one.
+/// The normals at `hits`, which rays along `dirs` found: `out[i]` becomes what [`normal`](super::normal()) gives for
+/// `hits[i]` and `dirs[i]`, bit for bit, as far as all three reach. Fastest where hits that follow each other are neighbours.
+///
+/// `level` says with which vectors planes are fitted (`Plane1`, `Plane2`, `Plane3`); `None`: one by one.
 pub fn normals<G: Geometry, M: Materials>(
     level: Option<Level>,
     tracer: &Tracer<'_, G>,
@@ -25,10 +27,10 @@ pub fn normals<G: Geometry, M: Materials>(
     out: &mut [Normal],
 ) {
     let mut windows = Kept::new(tracer);
-    match (level, kind) {
-        (Some(level), NormalKind::Plane1) => planes::<1>(level, &mut windows, hits, dirs, out),
-        (Some(level), NormalKind::Plane2) => planes::<2>(level, &mut windows, hits, dirs, out),
-        (Some(level), NormalKind::Plane3) => planes::<3>(level, &mut windows, hits, dirs, out),
+    match (kind, level) {
+        (NormalKind::Plane1, Some(level)) => planes::<1>(level, &mut windows, hits, dirs, out),
+        (NormalKind::Plane2, Some(level)) => planes::<2>(level, &mut windows, hits, dirs, out),
+        (NormalKind::Plane3, Some(level)) => planes::<3>(level, &mut windows, hits, dirs, out),
         _ => {
             for ((hit, &dir), out) in hits.iter().zip(dirs).zip(out) {
                 *out = one(&mut windows, materials, hit, dir, kind);
@@ -37,7 +39,7 @@ pub fn normals<G: Geometry, M: Materials>(
     }
 }
 
-/// Planes of the window's radius.
+/// Planes in windows of this radius.
 fn planes<const RADIUS: usize>(
     level: Level,
     windows: &mut impl Windows,
@@ -46,29 +48,23 @@ fn planes<const RADIUS: usize>(
     out: &mut [Normal],
 ) {
     let mut block = Block::new();
-    let mut kept = [Window::<RADIUS>::default(); BLOCK];
+    let mut around = [Window::<RADIUS>::default(); BLOCK];
     for ((hits, dirs), out) in hits.chunks(BLOCK).zip(dirs.chunks(BLOCK)).zip(out.chunks_mut(BLOCK)) {
-        for (i, (hit, &dir)) in hits.iter().zip(dirs).enumerate() {
-            kept[i] = windows.window(hit.voxel.decode());
-            let (sums, face) = (kept[i].sums().0, entry_face(hit.face, dir));
-            for k in 0..6 {
-                block.sums[k][i] = sums[k];
-            }
-            for k in 0..3 {
-                block.face[k][i] = face[k];
-                block.dir[k][i] = dir[k];
-            }
+        let count = hits.len().min(dirs.len());
+        for (i, ((hit, &dir), window)) in hits.iter().zip(dirs).zip(&mut around).enumerate() {
+            *window = windows.window(hit.voxel.decode());
+            block.set(i, window.sums(), super::entry_face(hit.face, dir), dir);
         }
-        lanes::fit(level, &mut block, hits.len(), RADIUS);
+        block.fit(level, count, RADIUS);
         for (i, ((hit, &dir), out)) in hits.iter().zip(dirs).zip(out).enumerate() {
-            let ratio = block.ratio[i];
-            *out = if ratio < 0.0 {
-                let view = View::new(hit.face, dir);
-                view.plane(&kept[i], plane::fit).unwrap_or_else(|| view.entry())
-            } else {
-                Normal {
-                    direction: [0, 1, 2].map(|k| block.normal[k][i] as f32),
+            *out = match block.plane(i) {
+                Some((n, ratio)) => Normal {
+                    direction: n.map(|x| x as f32),
                     confidence: Confidence::Plane { ratio: ratio as f32 },
+                },
+                None => {
+                    let view = View::new(hit.face, dir);
+                    view.plane(&around[i], plane::fit).unwrap_or_else(|| view.entry())
                 }
             };
         }

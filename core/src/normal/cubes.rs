@@ -170,3 +170,17 @@ fn word(place: [i32; 3]) -> u64 {
     let [x, y, z] = place.map(|c| u64::from(c as u32 & 0x1f_ffff));
     x | y << 21 | z << 42
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bricks_rows_are_its_voxels() {
+        for bit in 0..64 {
+            let [x, y, z] = Morton(bit).decode();
+            let expected = core::array::from_fn(|slice| if slice == z as usize { 1 << (8 * y + x) } else { 0 });
+            assert_eq!(rows(1 << bit), expected, "bit {bit}");
+        }
+    }
+}

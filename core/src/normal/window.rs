@@ -150,3 +150,68 @@ impl Moments {
         self.first.map(|sum| (radius as i64 * self.count - sum) as f64 / self.count as f64)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::normal::cubes::Cube;
+
+    /// Numbers that look random.
+    struct Noise(u64);
+
+    impl Noise {
+        fn next(&mut self) -> u64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            self.0 ^ self.0 >> 29
+        }
+    }
+
+    /// Every voxel of a window, from its first one.
+    fn places(side: usize) -> impl Iterator<Item = [usize; 3]> {
+        (0..side * side * side).map(move |i| [i % side, i / side % side, i / side / side])
+    }
+
+    /// A window of every radius where it starts at `first`, against the cubes voxel by voxel.
+    fn compare<const RADIUS: usize>(first: [u32; 3], cubes: &[Cube; 8]) {
+        let window = Window::<RADIUS>::cut(first, cubes.each_ref());
+        let (mut m, mut slices, mut met, mut bricks) = (Moments::default(), [0; 7], 0, [0; 8]);
+        for p in places(2 * RADIUS + 1) {
+            let at: [usize; 3] = core::array::from_fn(|i| first[i] as usize + p[i]);
+            let [cube, octant] = [8, 4].map(|side| (0..3).fold(0, |n, i| n | (at[i] / side & 1) << i));
+            met |= 1 << cube;
+            bricks[cube] |= 1 << octant;
+            let filled = cubes[cube][at[2] & 7] >> (8 * (at[1] & 7) + (at[0] & 7)) & 1 != 0;
+            assert_eq!(window.contains(p), filled, "{p:?} from {first:?}");
+            if filled {
+                let x = p.map(|x| x as i64);
+                m.count += 1;
+                slices[p[2]] |= 1u64 << (8 * p[1] + p[0]);
+                for i in 0..3 {
+                    m.first[i] += x[i];
+                    m.squares[i] += x[i] * x[i];
+                    m.products[i] += x[(i + 1) % 3] * x[(i + 2) % 3];
+                }
+            }
+        }
+        assert_eq!((window.slices, window.sums().moments()), (slices, m), "from {first:?}");
+        assert_eq!(Window::<RADIUS>::cubes(first), met, "from {first:?}");
+        for next in (0..8).filter(|next| met >> next & 1 != 0) {
+            assert_eq!(Window::<RADIUS>::bricks(first, next), bricks[next], "cube {next} from {first:?}");
+        }
+    }
+
+    #[test]
+    fn windows_are_cut_and_summed_voxel_by_voxel() {
+        let mut noise = Noise(1);
+        let mut random: [Cube; 8] = core::array::from_fn(|_| core::array::from_fn(|_| noise.next()));
+        for first in places(8).step_by(if cfg!(miri) { 101 } else { 1 }) {
+            let first = first.map(|x| x as u32);
+            for cubes in [&random, &[[u64::MAX; 8]; 8]] {
+                compare::<1>(first, cubes);
+                compare::<2>(first, cubes);
+                compare::<3>(first, cubes);
+            }
+            random[noise.next() as usize % 8][noise.next() as usize % 8] = noise.next() & noise.next();
+        }
+    }
+}
