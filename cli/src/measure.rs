@@ -32,9 +32,9 @@ impl<'a> Arm<'a> {
         Arm { items: inputs.len(), block: BLOCK, work: Box::new(sum) }
     }
 
-    /// Over `0..items`, several at a time.
-    pub fn blocks(items: usize, work: impl Fn(Range<usize>) -> u64 + Sync + 'a) -> Arm<'a> {
-        Arm { items, block: BLOCK, work: Box::new(work) }
+    /// Over each of `batches`, which stand for `length` items each, the last one maybe for less.
+    pub fn batches<T: Sync>(batches: &'a [T], length: usize, work: impl Fn(&T) -> u64 + Sync + 'a) -> Arm<'a> {
+        Arm { block: BLOCK / length, ..Arm::each(batches, work) }
     }
 
     /// Over `0..items`, where each item is work enough to be timed alone.

@@ -75,7 +75,7 @@ fn fit<S: Simd>(simd: S, block: &mut Block, start: usize, radius: f64) {
     let lanes = start..start + S::f64s::LEN;
     let splat = |x: f64| S::f64s::splat(simd, x);
 
-    // Take the sums apart.
+    // Take the sums apart, see `Sums::moments`.
     let sum = |i: usize, bit: u32| -> S::f64s {
         let column: &Column<u64> = &block.sums[i];
         ((S::u64s::from_slice(simd, &column[lanes.clone()]) >> bit) & 0xffff).to_float()
@@ -95,8 +95,8 @@ fn fit<S: Simd>(simd: S, block: &mut Block, start: usize, radius: f64) {
     let t = d[0] + d[1] + d[2];
     let e2 = adj_d[0] + adj_d[1] + adj_d[2];
     let e3 = {
-        // Adding rounds to multiples of 2^20.
-        let round = splat(1.5 * (1u64 << 52 << 10) as f64 * 1024.0);
+        // Adding 1.5 * 2^72 rounds to multiples of 2^20.
+        let round = splat((3u128 << 71) as f64);
         let column = [adj_d[0], adj_o[2], adj_o[1]];
         let high = each(|i| column[i] + round - round);
         let low = each(|i| column[i] - high[i]);
@@ -104,7 +104,7 @@ fn fit<S: Simd>(simd: S, block: &mut Block, start: usize, radius: f64) {
         dot::<S>(row, high) + dot::<S>(row, low)
     };
 
-    // The eigenvalues l0 <= l1, and the eigenvector of l0.
+    // The eigenvalues l0 <= l1, and the eigenvector of l0. All voxels on a line: l0 / l1 is 0 / 0, no plane.
     let l0 = smallest_root(simd, t, e2, e3);
     let sum = t - l0;
     let product = e2 - l0 * sum;
@@ -131,7 +131,7 @@ fn fit<S: Simd>(simd: S, block: &mut Block, start: usize, radius: f64) {
     for (column, x) in block.normal.iter_mut().zip(normal) {
         (x * scale).store_slice(&mut column[lanes.clone()]);
     }
-    let is_plane = e2.simd_gt(splat(0.0)) & ratio.simd_le(splat(PLANAR)) & (front | back);
+    let is_plane = ratio.simd_le(splat(PLANAR)) & (front | back);
     is_plane.select(ratio, splat(-1.0)).store_slice(&mut block.ratio[lanes]);
 }
 
@@ -140,7 +140,7 @@ fn fit<S: Simd>(simd: S, block: &mut Block, start: usize, radius: f64) {
 fn smallest_root<S: Simd>(simd: S, t: S::f64s, e2: S::f64s, e3: S::f64s) -> S::f64s {
     let zero = S::f64s::splat(simd, 0.0);
     let mut l = zero;
-    let mut climbing = e2.simd_gt(zero);
+    let mut climbing = S::mask64s::splat(simd, true);
     for _ in 0..8 {
         let value = ((l - t) * l + e2) * l - e3;
         let slope = (l * 3.0 - t * 2.0) * l + e2;

@@ -177,7 +177,7 @@ mod tests {
         let (mut m, mut slices, mut met, mut bricks) = (Moments::default(), [0; 7], 0, [0; 8]);
         for p in places(2 * RADIUS + 1) {
             let at: [usize; 3] = core::array::from_fn(|i| first[i] as usize + p[i]);
-            let [cube, octant] = [8, 4].map(|side| (0..3).fold(0, |n, i| n | (at[i] / side & 1) << i));
+            let [cube, octant] = [8, 4].map(|side| (0..3).fold(0, |n, i| n | ((at[i] / side) & 1) << i));
             met |= 1 << cube;
             bricks[cube] |= 1 << octant;
             let filled = cubes[cube][at[2] & 7] >> (8 * (at[1] & 7) + (at[0] & 7)) & 1 != 0;
