@@ -72,7 +72,11 @@ fn check(words: &[u32], hits: &[(Hit, [f64; 3])], context: &str) -> HashSet<std:
                 normals(level, &tracer, Some3, &hits, &dirs, kind, &mut many);
                 for (i, (many, alone)) in many.iter().zip(&alone).enumerate() {
                     let (hit, dir, name) = (&hits[i], dirs[i], level.map(Level::name));
-                    assert_eq!(bits(many), bits(alone), "{context}: {kind:?}, {name:?}, number {i}, {hit:?} along {dir:?}");
+                    assert_eq!(
+                        bits(many),
+                        bits(alone),
+                        "{context}: {kind:?}, {name:?}, number {i}, {hit:?} along {dir:?}"
+                    );
                 }
             }
         }
@@ -154,7 +158,8 @@ fn at_the_far_corners_of_the_largest_cube() {
     const SEED: u64 = 4;
     let mut random = Rng::new(SEED);
     let last = (1u32 << 21) - 1;
-    for shape in [Implicit::Wall { axis: 0, lo: 0, hi: 2 }, Implicit::Diagonal { lo: 0, hi: 9 }, Implicit::Dust { at: [3; 3] }]
+    for shape in
+        [Implicit::Wall { axis: 0, lo: 0, hi: 2 }, Implicit::Diagonal { lo: 0, hi: 9 }, Implicit::Dust { at: [3; 3] }]
     {
         let hits: Vec<_> = (0..200)
             .map(|_| {
@@ -178,7 +183,8 @@ fn as_far_as_all_slices_reach() {
     let kind = NormalKind::Plane2;
     let alone: Vec<_> = hits.iter().zip(&dirs).map(|(hit, dir)| normal(&tracer, Some3, hit, *dir, kind)).collect();
     for level in levels() {
-        for [a, b, c] in [[0, 80, 80], [1, 1, 1], [31, 32, 33], [33, 32, 31], [80, 40, 70], [70, 80, 40], [80, 80, 80]] {
+        for [a, b, c] in [[0, 80, 80], [1, 1, 1], [31, 32, 33], [33, 32, 31], [80, 40, 70], [70, 80, 40], [80, 80, 80]]
+        {
             let mut out = [NONE; 80];
             normals(level, &tracer, Some3, &hits[..a], &dirs[..b], kind, &mut out[..c]);
             let reached = a.min(b).min(c);

@@ -58,10 +58,9 @@ fn planes<const RADIUS: usize>(
         block.fit(level, count, RADIUS);
         for (i, ((hit, &dir), out)) in hits.iter().zip(dirs).zip(out).enumerate() {
             *out = match block.plane(i) {
-                Some((n, ratio)) => Normal {
-                    direction: n.map(|x| x as f32),
-                    confidence: Confidence::Plane { ratio: ratio as f32 },
-                },
+                Some((n, ratio)) => {
+                    Normal { direction: n.map(|x| x as f32), confidence: Confidence::Plane { ratio: ratio as f32 } }
+                }
                 None => {
                     let view = View::new(hit.face, dir);
                     view.plane(&around[i], plane::fit).unwrap_or_else(|| view.entry())

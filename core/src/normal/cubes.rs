@@ -11,7 +11,6 @@
 use super::window::Window;
 use crate::dag::BRICK_LEVEL;
 use crate::geometry::Geometry;
-use crate::morton::Morton;
 use crate::trace::Tracer;
 
 /// 8^3 voxels: slices z with bit `8 y + x`.
@@ -29,13 +28,16 @@ fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted: u8, cube: 
 
     // Descend to the cube's node; without any above the bricks, search for each of them.
     let top = tracer.entry_level() as u8;
-    let code = Morton::encode_masked(corner);
     let mut node = G::EMPTY;
     let mut left = wanted;
     if top > BRICK_LEVEL {
         node = tracer.entry(corner).unwrap_or(G::EMPTY);
         for level in (BRICK_LEVEL + 1..top).rev() {
-            node = geometry.child_or_empty(node, level + 1, u32::from(code.octant(level)));
+            node = geometry.child_or_empty(
+                node,
+                level + 1,
+                (0..3).fold(0, |octant, i| octant | (corner[i] >> level & 1) << i),
+            );
         }
         if node == G::EMPTY {
             return;
@@ -174,6 +176,7 @@ fn word(place: [i32; 3]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::morton::Morton;
 
     #[test]
     fn a_bricks_rows_are_its_voxels() {

@@ -97,13 +97,7 @@ pub fn normal<G: Geometry, M: Materials>(
 
 /// The normal at `hit`.
 #[inline]
-fn one<M: Materials>(
-    windows: &mut impl Windows,
-    materials: M,
-    hit: &Hit,
-    dir: [f64; 3],
-    kind: NormalKind,
-) -> Normal {
+fn one<M: Materials>(windows: &mut impl Windows, materials: M, hit: &Hit, dir: [f64; 3], kind: NormalKind) -> Normal {
     let (view, center) = (View::new(hit.face, dir), hit.voxel.decode());
     let stored = || {
         let n = math::normalize(materials.normal(hit.voxel)?.map(f64::from))?;
