@@ -1,4 +1,5 @@
-//! Normals at many hits are those one by one, bit for bit: all kinds, all vectors that the machine has, any hits in any order.
+//! Normals at many hits are those one by one, bit for bit: all kinds, all vectors that the machine has, any hits in any
+//! order.
 
 use std::collections::HashSet;
 use std::mem::discriminant;
@@ -34,7 +35,7 @@ impl Materials for Some3 {
     }
 
     fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
-        (voxel.0 % 3 == 0).then(|| [voxel.0 % 5, voxel.0 / 5 % 5, voxel.0 / 25 % 5].map(|x| x as f32 - 2.0))
+        voxel.0.is_multiple_of(3).then(|| [voxel.0 % 5, voxel.0 / 5 % 5, voxel.0 / 25 % 5].map(|x| x as f32 - 2.0))
     }
 }
 

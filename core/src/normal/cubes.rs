@@ -1,11 +1,12 @@
-//! Voxels in cubes of 8^3: what windows are cut from.
+//! Windows cut from cubes of 8^3 voxels.
 //!
-//! In: a tracer. Out: cubes with their voxels in plain order, where the bricks they come from have Morton order, so that
-//! windows are cut out by shifts. What lies outside the geometry is empty. A [`Cache`] keeps the last cubes: hits that follow
-//! each other are neighbours, and their windows meet the same few.
+//! In: a tracer and a voxel. Out: the window around it. Bricks, whose voxels stand in Morton order, are first put into
+//! cubes where each axis has its own bits, so that windows are cut out by shifts. What lies outside the geometry is
+//! empty. For a single window ([`Alone`]) only its own bricks are read, at most 27. Windows of hits that follow each
+//! other ([`Kept`]) are cut from cubes that are kept: neighbours meet the same few.
 //!
 //! ```text
-//! cube  eight slices z, bit 8 y + x            brick, a byte per octant  zz yy xx -> zyx zyx (bit of the code)
+//! cube   eight slices z, bit 8 y + x             brick  bit z1 y1 x1 z0 y0 x0 (Morton)
 //! ```
 
 use super::window::Window;
@@ -26,18 +27,15 @@ fn read<G: Geometry>(tracer: &Tracer<'_, G>, place: [i32; 3], wanted: u8, cube: 
         return;
     }
 
-    // Descend to the cube's node; without any above the bricks, search for each of them.
+    // Descend to the cube's node; if the search begins at bricks, there is none.
     let top = tracer.entry_level() as u8;
     let mut node = G::EMPTY;
     let mut left = wanted;
     if top > BRICK_LEVEL {
         node = tracer.entry(corner).unwrap_or(G::EMPTY);
         for level in (BRICK_LEVEL + 1..top).rev() {
-            node = geometry.child_or_empty(
-                node,
-                level + 1,
-                (0..3).fold(0, |octant, i| octant | (corner[i] >> level & 1) << i),
-            );
+            let octant = (0..3).fold(0, |octant, i| octant | (corner[i] >> level & 1) << i);
+            node = geometry.child_or_empty(node, level + 1, octant);
         }
         if node == G::EMPTY {
             return;
@@ -112,7 +110,7 @@ pub(super) struct Kept<'t, 'a, G> {
     /// Place of the cube in each slot.
     places: [u64; KEPT],
     cubes: [Cube; KEPT],
-    /// Place of the cube where the last window started, the slots of those around it, and one bit for each that is there.
+    /// Place of the cube where the last window started, the slots of those around it, and one bit each if it is there.
     last: u64,
     slots: [usize; 8],
     found: u8,
@@ -131,6 +129,7 @@ impl<'t, 'a, G: Geometry> Kept<'t, 'a, G> {
             let next = missing.trailing_zeros() as usize;
             missing &= missing - 1;
             let place = after(place, next);
+            // The eight cubes of a window have eight slots.
             let slot = (place[0] + 11 * place[1] + 121 * place[2]) as usize % KEPT;
             let word = word(place);
             self.slots[next] = slot;

@@ -1,9 +1,9 @@
 //! Planes at many hits at once, one hit in every lane of a vector: [`super::plane`] and the side that `View` chooses.
 //!
-//! In: sums over windows, faces and directions, in columns. Out: unit normals and their quality, bit for bit what one by one
-//! gives; nothing where a hit needs more than a plane (points, lines, solids, planes that show no side). What is i64 there
-//! is f64 here, and exact as well: up to 2^39 but for the determinant, whose terms reach 2^58. It is added in two parts,
-//! each exact, and so rounded once, as a conversion from i64 does.
+//! In: sums over windows, faces and directions, in columns. Out: unit normals and their quality, bit for bit those one
+//! by one; nothing where a hit needs more than a plane (points, lines, solids, planes that show no side). What is i64
+//! there is f64 here, and exact as well: up to 2^39 but for the determinant, whose terms reach 2^58. It is added in two
+//! parts, each exact, and so rounded once, as a conversion from i64 does.
 
 use fearless_simd::{Simd, dispatch, prelude::*};
 

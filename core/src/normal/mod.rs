@@ -158,7 +158,8 @@ impl View {
         }
     }
 
-    /// From filled to empty among the six neighbours in the middle of a window; outside the cube is empty. `None`: entry face.
+    /// From filled to empty among the six neighbours in the middle of a window; outside the cube is empty. `None`: entry
+    /// face.
     fn gradient<const RADIUS: usize>(&self, window: &Window<RADIUS>) -> Option<Normal> {
         let filled = |axis: usize, at: usize| {
             let mut neighbour = [RADIUS; 3];

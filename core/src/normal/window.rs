@@ -1,10 +1,10 @@
 //! The filled voxels around a voxel, and their moments.
 //!
-//! In: cubes of 8^3 voxels, a voxel and a radius r. Out: the (2 r + 1)^3 window around the voxel; number, sums and sums of
-//! products of the coordinates of its filled voxels. Exact integers, counted from the window's first voxel, so where the
-//! window lies does not matter; voxels outside the cube are absent.
+//! In: cubes of 8^3 voxels, a voxel and a radius r. Out: the (2 r + 1)^3 window around the voxel; number, sums and sums
+//! of products of the coordinates of its filled voxels. Exact integers, counted from the window's first voxel, so where
+//! the window lies does not matter; voxels outside the cube are absent.
 //!
-//! Moments are summed row by row from a table: no population counts, which baseline x86-64 and wasm32 lack or emulate, and
+//! Sums are added row by row from a table: no population counts, which baseline x86-64 and wasm32 lack or emulate, and
 //! no look-up per voxel.
 
 use super::cubes::Cube;
@@ -16,7 +16,8 @@ pub(super) struct Window<const RADIUS: usize> {
     slices: [u64; 7],
 }
 
-/// Sums over a window: with weights 1, z, z (z + 1) / 2, y, y z, y (y + 1) / 2 those of 1, x and xx, 16 bits each.
+/// Sums over a window: with weights 1, z, z (z + 1) / 2, y, y z, y (y + 1) / 2 those of 1, x and xx, 16 bits each. None
+/// of a window of 7^3 is above 40,131.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Sums(pub [u64; 6]);
 
@@ -61,8 +62,8 @@ impl<const RADIUS: usize> Window<RADIUS> {
         (first.map(|c| c >> 3), first.map(|c| (c & 7) as u32))
     }
 
-    /// The bricks, one bit per octant, that a window which starts at `first` of a cube meets: those of that cube or, along axes
-    /// whose bit is set in `next`, of the one after it.
+    /// The bricks, one bit per octant, that a window which starts at `first` of a cube meets: those of that cube or,
+    /// along axes whose bit is set in `next`, of the one after it.
     #[inline(always)]
     pub(super) fn bricks(first: [u32; 3], next: usize) -> u8 {
         // By axis: the octants of neither half, of the lower one, of the upper one, and of both.
@@ -74,8 +75,8 @@ impl<const RADIUS: usize> Window<RADIUS> {
         })
     }
 
-    /// The cubes that a window which starts at `first` of the cube 0 meets, one bit each; the others follow it along x (1), y (2)
-    /// and z (4).
+    /// The cubes that a window which starts at `first` of the cube 0 meets, one bit each; the others follow it along x
+    /// (1), y (2) and z (4).
     #[inline(always)]
     pub(super) fn cubes(first: [u32; 3]) -> u8 {
         let axes = (0..3).fold(0, |axes, i| axes | usize::from(first[i] + Self::SIDE as u32 > 8) << i);
@@ -109,7 +110,7 @@ impl<const RADIUS: usize> Window<RADIUS> {
     pub(super) fn sums(&self) -> Sums {
         let mut sums = [0; 6];
         for &slice in self.slices[..Self::SIDE].iter().rev() {
-            // By y: what is added last of all counts once, what was added first y times.
+            // By y: a row counts as often as it is there when sums are added, that is y times, or 1 + .. + y times.
             let row = |y: usize| ROWS[(slice >> (8 * y) & 0x7f) as usize];
             let (mut plain, mut by_y, mut by_yy) = (0, 0, 0);
             for y in (1..Self::SIDE).rev() {
@@ -118,7 +119,7 @@ impl<const RADIUS: usize> Window<RADIUS> {
                 by_yy += by_y;
             }
             plain += row(0);
-            // By z, of the sums so far, which are those of the slices above.
+            // By z: the sums so far, which are those of the slices above, count once more.
             sums[1] += sums[0];
             sums[2] += sums[1];
             sums[4] += sums[3];

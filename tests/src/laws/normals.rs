@@ -12,8 +12,8 @@ use crate::eigen::jacobi;
 use crate::octree::VoxelSet;
 use crate::textbook::ernerfeldt;
 
-/// A normal is a unit vector for any input, the same alone and among many, and the one that the documentation describes: a plane, the textbook's plane, the gradient, a line's
-/// direction made perpendicular, or the entry face.
+/// A normal is a unit vector for any input, the same alone and among many, and the one that the documentation describes:
+/// a plane, the textbook's plane, the gradient, a line's direction made perpendicular, or the entry face.
 ///
 /// Byte 0: the lowest three bits are the kind, the next three (modulo 7) the face, the upper two where the
 /// window lies: in the middle of a cube, at its first corner, at the last one of the deepest cube, or in a cube of side 4.
@@ -61,8 +61,8 @@ pub fn normals(data: &[u8]) {
     }
 }
 
-/// Normals at many hits, of which this is the first, are those one by one: the same voxel through all faces, and those before
-/// and after it on the Morton curve.
+/// Normals at many hits, of which this is the first, are those one by one: the same voxel through all faces, and those
+/// before and after it on the Morton curve.
 fn many(tracer: &Tracer<'_, Dag<'_>>, hit: &Hit, dir: [f64; 3], kind: NormalKind) {
     let hits: [Hit; 40] = core::array::from_fn(|i| match i {
         0..7 => Hit { face: FACES[(i + FACES.iter().position(|f| *f == hit.face).unwrap_or(0)) % 7], ..*hit },
