@@ -6,6 +6,7 @@
 use crate::grid::{Bounds, UpAxis};
 use crate::math;
 use crate::shade::{Light, LightKind};
+use crate::trace::Tile;
 
 /// A pinhole camera.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -132,5 +133,10 @@ impl Rays {
     #[inline]
     pub fn direction(&self, x: f64, y: f64) -> [f64; 3] {
         math::add_scaled(math::add_scaled(self.corner, self.dx, x), self.dy, y)
+    }
+
+    /// The rays from `eye`, in grid coordinates, through such places, to be traced together.
+    pub fn tile<'a>(&self, eye: [f64; 3], places: &'a [[f64; 2]]) -> Tile<'a> {
+        Tile { origin: eye, corner: self.corner, dx: self.dx, dy: self.dy, places }
     }
 }

@@ -68,6 +68,8 @@ pub mod rank;
 
 pub mod layout;
 
+pub mod wide;
+
 pub mod ranked;
 
 pub mod materials;

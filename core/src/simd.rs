@@ -10,35 +10,36 @@ pub struct Level(fearless_simd::Level);
 
 impl Level {
     /// The widest set: with feature `std` what the machine has, else what the program is compiled for. `None` if there is
-    /// none, as on microcontrollers.
+    /// none that pays: on microcontrollers, and with SSE2 alone, which must imitate too much.
     pub fn best() -> Option<Level> {
         let level = fearless_simd::Level::try_detect().unwrap_or(fearless_simd::Level::baseline());
-        (!level.is_fallback()).then_some(Level(level))
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        let pays = level.as_sse4_2().is_some();
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+        let pays = !level.is_fallback();
+        pays.then_some(Level(level))
     }
 
     /// All sets that kernels can be told to use here, from the narrowest to the widest.
     pub fn all() -> impl Iterator<Item = Level> {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         use fearless_simd::Simd;
-        let narrower = |level: fearless_simd::Level| -> [Option<fearless_simd::Level>; 4] {
+        let narrower = |level: fearless_simd::Level| -> [Option<fearless_simd::Level>; 3] {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             return [
-                level.as_sse2().map(|set| set.level()),
                 level.as_sse4_2().map(|set| set.level()),
                 level.as_avx2().map(|set| set.level()),
                 level.as_avx512().map(|set| set.level()),
             ];
             #[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
-            return [Some(level), None, None, None];
+            return [Some(level), None, None];
         };
         Level::best().map(|level| narrower(level.0)).into_iter().flatten().flatten().map(Level)
     }
 
-    /// Its name: `sse2`, `sse4.2`, `avx2`, `avx512`, `neon`, `simd128`.
+    /// Its name: `sse4.2`, `avx2`, `avx512`, `neon`, `simd128`.
     pub fn name(self) -> &'static str {
         match self.0 {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            fearless_simd::Level::Sse2(_) => "sse2",
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             fearless_simd::Level::Sse4_2(_) => "sse4.2",
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

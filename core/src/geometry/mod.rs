@@ -41,6 +41,11 @@ pub trait Geometry: Copy + Send + Sync + core::fmt::Debug {
     /// The voxels of a brick in Morton order.
     fn brick_at(&self, brick: u32) -> u64;
 
+    /// The words of a wide tree, if that is the layout: what packets of rays walk through.
+    fn wide_words(&self) -> Option<&[u32]> {
+        None
+    }
+
     /// A number that stands for an empty node of any level: it has no children, and its brick no voxel.
     const EMPTY: u32 = u32::MAX;
 

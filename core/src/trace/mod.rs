@@ -4,6 +4,7 @@ mod along;
 #[cfg(all(test, feature = "alloc"))]
 mod edge;
 mod exact;
+mod packet;
 mod ray;
 mod top;
 mod walk;
@@ -16,6 +17,7 @@ pub use top::TopBuf;
 use crate::dag::{BRICK_LEVEL, Dag};
 use crate::geometry::Geometry;
 use crate::morton::Morton;
+use crate::simd::Level;
 
 /// A ray in grid coordinates (voxel k spans k to k + 1) and what counts as a hit.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -99,6 +101,9 @@ pub enum Arithmetic {
     Exact,
     /// By rounded f64 alone.
     F64,
+    /// By rounded f32 alone, where many rays are traced at once by vectors ([`Tracer::with_level`]): a preview. Rays that
+    /// are traced one by one are exact, which costs no more.
+    F32,
 }
 
 /// What the walk of a ray took.
@@ -116,17 +121,57 @@ pub struct Steps {
 pub struct Tracer<'a, G = Dag<'a>> {
     geometry: G,
     top: Option<Top<'a>>,
+    level: Option<Level>,
+}
+
+/// Rays from one point through places of a plane: the pixels, or parts of pixels, of a picture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Tile<'a> {
+    /// Where all rays begin, in grid coordinates.
+    pub origin: [f64; 3],
+    /// The direction through place (0, 0), of any length.
+    pub corner: [f64; 3],
+    /// What one unit along x adds to it,
+    pub dx: [f64; 3],
+    /// and what one along y does.
+    pub dy: [f64; 3],
+    /// The places; neighbours are best near to each other.
+    pub places: &'a [[f64; 2]],
+}
+
+impl Tile<'_> {
+    /// The direction through a place.
+    #[inline]
+    pub fn direction(&self, place: [f64; 2]) -> [f64; 3] {
+        ray::axes(|i| self.along(i, place))
+    }
+
+    #[inline(always)]
+    fn along(&self, axis: usize, [x, y]: [f64; 2]) -> f64 {
+        (self.corner[axis] + self.dx[axis] * x) + self.dy[axis] * y
+    }
 }
 
 impl<'a, G: Geometry> Tracer<'a, G> {
     /// Traces the geometry as it is.
     pub fn new(geometry: G) -> Tracer<'a, G> {
-        Tracer { geometry, top: None }
+        Tracer { geometry, top: None, level: None }
     }
 
     /// Traces with a top grid, which must have been made from these words; `None` if its size says that it was not.
     pub fn with_top(geometry: G, top: Top<'a>) -> Option<Tracer<'a, G>> {
-        top.fits(&geometry).then_some(Tracer { geometry, top: Some(top) })
+        top.fits(&geometry).then_some(Tracer { geometry, top: Some(top), level: None })
+    }
+
+    /// Traces many rays at once by vectors of this level. It takes a [`Wide`](crate::wide::Wide) tree with a top grid whose
+    /// cells are of even level ([`Top::bits_for_packets`]); without these, and for `None`, rays are traced one by one.
+    pub fn with_level(self, level: Option<Level>) -> Tracer<'a, G> {
+        Tracer { level, ..self }
+    }
+
+    /// What many rays at once are traced by; `None` if they are traced one by one.
+    pub fn level(&self) -> Option<Level> {
+        packet::Packets::of(self, Arithmetic::Exact).and(self.level)
     }
 
     /// The geometry.
@@ -162,8 +207,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// [`Tracer::trace`], and what the walk took.
     pub fn trace_counted(&self, arithmetic: Arithmetic, query: &Query) -> (Option<Hit>, Steps) {
         match (arithmetic, self.serves(query)) {
-            (Arithmetic::Exact, true) => walk::trace::<true, true, G>(self, query),
-            (Arithmetic::Exact, false) => walk::trace::<true, false, G>(self, query),
+            (Arithmetic::Exact | Arithmetic::F32, true) => walk::trace::<true, true, G>(self, query),
+            (Arithmetic::Exact | Arithmetic::F32, false) => walk::trace::<true, false, G>(self, query),
             (Arithmetic::F64, true) => walk::trace::<false, true, G>(self, query),
             (Arithmetic::F64, false) => walk::trace::<false, false, G>(self, query),
         }
@@ -172,8 +217,8 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// Whether the ray meets any filled voxel: `trace(..).is_some()`, without working out where.
     pub fn occluded(&self, arithmetic: Arithmetic, query: &Query) -> bool {
         match (arithmetic, self.serves(query)) {
-            (Arithmetic::Exact, true) => walk::occluded::<true, true, G>(self, query),
-            (Arithmetic::Exact, false) => walk::occluded::<true, false, G>(self, query),
+            (Arithmetic::Exact | Arithmetic::F32, true) => walk::occluded::<true, true, G>(self, query),
+            (Arithmetic::Exact | Arithmetic::F32, false) => walk::occluded::<true, false, G>(self, query),
             (Arithmetic::F64, true) => walk::occluded::<false, true, G>(self, query),
             (Arithmetic::F64, false) => walk::occluded::<false, false, G>(self, query),
         }
@@ -193,8 +238,46 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
     pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
-        for (query, hit) in queries.iter().zip(hits) {
-            *hit = self.trace(arithmetic, query);
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => packets.trace(&queries, hits),
+            None => queries.iter().zip(hits).for_each(|(query, hit)| *hit = self.trace(arithmetic, query)),
+        }
+    }
+
+    /// Traces the rays of a tile; `hits[i]` becomes the answer to the ray through `places[i]`, as far as both slices
+    /// reach. The answers are those to [`Query::new`]; some hundred rays or more at a time are best.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Tile, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let places = [[0.5, 0.5], [1.5, 0.5]];
+    /// let (corner, dx, dy) = ([-0.5, -0.5, -2.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    /// let tile = Tile { origin: [0.5, 0.5, 9.0], corner, dx, dy, places: &places };
+    /// let mut hits = [None; 2];
+    /// tracer.trace_tile(Arithmetic::Exact, &tile, &mut hits);
+    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
+    /// ```
+    pub fn trace_tile(&self, arithmetic: Arithmetic, tile: &Tile<'_>, hits: &mut [Option<Hit>]) {
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => packets.trace(tile, hits),
+            None => tile.places.iter().zip(hits).for_each(|(place, hit)| {
+                *hit = self.trace(arithmetic, &Query::new(tile.origin, tile.direction(*place)));
+            }),
+        }
+    }
+
+    /// Whether every ray meets any filled voxel; `blocked[i]` becomes the answer to `queries[i]`, as far as both slices
+    /// reach.
+    pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => packets.occluded(&queries, blocked),
+            None => {
+                let answers = queries.iter().map(|query| self.occluded(arithmetic, query));
+                blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
+            }
         }
     }
 

@@ -49,6 +49,13 @@ impl<'a> Top<'a> {
         geometry.depth().saturating_sub(BRICK_LEVEL).min(8)
     }
 
+    /// The most cells, as a power of two and at most `bits`, of a grid that serves [`super::Tracer::with_level`].
+    pub fn bits_for_packets<G: Geometry>(geometry: &G, bits: u8) -> u8 {
+        let depth = geometry.depth().max(BRICK_LEVEL);
+        let bits = bits.min(Top::most_bits(geometry));
+        if (depth - bits) % 2 == 0 { bits } else { bits.saturating_sub(1) }
+    }
+
     /// Makes the grid of `2^bits` cells a side in lent memory; `None` if `bits` is above [`Top::most_bits`] or a slice
     /// has not the length that [`Top::words_for`] and [`Top::scratch_for`] say.
     pub fn build_into<G: Geometry>(
@@ -131,6 +138,18 @@ impl<'a> Top<'a> {
     pub(super) fn fits<G: Geometry>(&self, geometry: &G) -> bool {
         let known = |word: u32| word & NODE != 0 || geometry.is_node(word, self.level);
         self.level + self.bits == geometry.depth().max(BRICK_LEVEL) && self.words.iter().all(|&word| known(word))
+    }
+
+    /// Its words.
+    #[inline(always)]
+    pub(super) fn words(&self) -> &'a [u32] {
+        self.words
+    }
+
+    /// Cells along an axis, as a power of two.
+    #[inline(always)]
+    pub(super) fn bits(&self) -> u8 {
+        self.bits
     }
 
     /// Octree level of a cell.

@@ -169,7 +169,7 @@ fn enter_close<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option
 }
 
 /// The face through which a step in negative or positive direction enters, per axis.
-const FACES: [[Face; 2]; 3] = [[Face::PosX, Face::NegX], [Face::PosY, Face::NegY], [Face::PosZ, Face::NegZ]];
+pub(super) const FACES: [[Face; 2]; 3] = [[Face::PosX, Face::NegX], [Face::PosY, Face::NegY], [Face::PosZ, Face::NegZ]];
 
 /// The hit at voxel `p`: entry face, time and the voxel before.
 #[inline]

@@ -1,0 +1,119 @@
+//! The largest empty boxes in a grid of 4^3 cells, for all cells at once.
+
+/// Bits of the cells that have a neighbour in negative and in positive direction along each axis.
+const INNER: [[u64; 2]; 3] = {
+    let mut inner = [[0; 2]; 3];
+    let mut cell = 0;
+    while cell < 64 {
+        let mut axis = 0;
+        while axis < 3 {
+            let at = cell >> (2 * axis) & 3;
+            inner[axis][0] |= ((at > 0) as u64) << cell;
+            inner[axis][1] |= ((at < 3) as u64) << cell;
+            axis += 1;
+        }
+        cell += 1;
+    }
+    inner
+};
+
+/// Which cells have a neighbour in a set along an axis.
+#[inline(always)]
+fn beside(set: u64, axis: usize, up: usize) -> u64 {
+    let shift = 1 << (2 * axis);
+    (if up != 0 { set >> shift } else { set << shift }) & INNER[axis][up]
+}
+
+/// Shapes of boxes in the order of how much they are liked: the largest, of equal ones those nearest to a cube.
+const SHAPES: [u8; 64] = {
+    let mut shapes = [0; 64];
+    let mut shape = 0;
+    while shape < 64 {
+        shapes[shape] = shape as u8;
+        // Insertion sort.
+        let mut at = shape;
+        while at > 0 && worth(shapes[at - 1]) < worth(shapes[at]) {
+            (shapes[at - 1], shapes[at]) = (shapes[at], shapes[at - 1]);
+            at -= 1;
+        }
+        shape += 1;
+    }
+    shapes
+};
+
+const fn worth(shape: u8) -> u32 {
+    let [x, y, z] = [(shape & 3) as u32 + 1, (shape >> 2 & 3) as u32 + 1, (shape >> 4) as u32 + 1];
+    64 * x * y * z - (x + y + z)
+}
+
+/// For rays to an octant the box of every cell of the set `empty`, in the words' code: the most empty cells ahead.
+pub(super) fn boxes(empty: u64, octant: usize) -> [u8; 64] {
+    // Which cells begin an empty box of each shape: one that is a cell longer follows from its neighbour's.
+    let mut begins = [0; 64];
+    for shape in 0..64usize {
+        let axis = match shape {
+            0 => None,
+            _ if shape >> 4 != 0 => Some(2),
+            _ if shape >> 2 != 0 => Some(1),
+            _ => Some(0),
+        };
+        begins[shape] = match axis {
+            None => empty,
+            Some(axis) => {
+                let shorter = begins[shape - (1 << (2 * axis))];
+                let flat = begins[shape & !(3 << (2 * axis))];
+                flat & beside(shorter, axis, octant >> axis & 1)
+            }
+        };
+    }
+    let (mut boxes, mut left) = ([0; 64], empty);
+    for shape in SHAPES {
+        let mut cells = begins[usize::from(shape)] & left;
+        left &= !cells;
+        while cells != 0 {
+            boxes[cells.trailing_zeros() as usize] = shape;
+            cells &= cells - 1;
+        }
+    }
+    boxes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_empty_and_the_largest() {
+        let mut state = 0x9e37_79b9_7f4a_7c15_u64;
+        for round in 0..if cfg!(miri) { 2 } else { 60 } {
+            // Sets of all densities.
+            let mut empty = u64::MAX;
+            for _ in 0..round % 4 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                empty &= state ^ state >> 29;
+            }
+            for octant in 0..8usize {
+                let boxes = boxes(empty, octant);
+                for cell in (0..64usize).filter(|cell| empty >> cell & 1 != 0) {
+                    let c = [cell & 3, cell >> 2 & 3, cell >> 4];
+                    let holds = |size: [usize; 3]| {
+                        (0..64usize).filter(|at| (0..3).all(|i| at >> (2 * i) & 3 < size[i])).all(|at| {
+                            let place: [Option<usize>; 3] = core::array::from_fn(|i| {
+                                let step = at >> (2 * i) & 3;
+                                let x = if octant >> i & 1 != 0 { c[i] + step } else { c[i].wrapping_sub(step) };
+                                (x < 4).then_some(x)
+                            });
+                            matches!(place, [Some(x), Some(y), Some(z)] if empty >> (x + 4 * y + 16 * z) & 1 != 0)
+                        })
+                    };
+                    let found = [boxes[cell] & 3, boxes[cell] >> 2 & 3, boxes[cell] >> 4].map(|k| usize::from(k) + 1);
+                    assert!(holds(found), "{empty:x} {octant} {cell}");
+                    let volume = |size: [usize; 3]| size[0] * size[1] * size[2];
+                    let largest = (0..64usize).map(|s| [1 + (s & 3), 1 + (s >> 2 & 3), 1 + (s >> 4)]);
+                    let largest = largest.filter(|size| holds(*size)).map(volume).max();
+                    assert_eq!(Some(volume(found)), largest, "{empty:x} {octant} {cell}");
+                }
+            }
+        }
+    }
+}
