@@ -5,8 +5,10 @@
 
 use std::time::{Duration, Instant};
 
-use voxdag::trace::{Arithmetic, Face, Hit, Query, TopBuf, Tracer};
-use voxdag::{Dag, Morton};
+use voxdag::simd::Level;
+use voxdag::trace::{Arithmetic, Face, Hit, Query, Top, TopBuf, Tracer};
+use voxdag::wide::{Wide, WideBuf};
+use voxdag::{Dag, Geometry, Morton};
 use voxdag_oracle::octree::VoxelSet;
 use voxdag_oracle::ray::{self, Ray, Truth};
 use voxdag_oracle::rng::Rng;
@@ -22,6 +24,9 @@ struct Scene {
     targets: Vec<[u32; 3]>,
     /// Top grids of the DAG, from one cell to as many as are reasonable.
     tops: Vec<TopBuf>,
+    /// The same voxels as a wide tree, and a top grid of it, for packets.
+    wide: WideBuf,
+    wide_top: TopBuf,
 }
 
 enum Filled {
@@ -33,8 +38,7 @@ impl Scene {
     fn of_set(name: &str, depth: u8, set: VoxelSet) -> Scene {
         let targets = set.codes().iter().map(|&c| Morton(c).decode()).collect();
         let words = set.words(depth);
-        let tops = tops(&words);
-        Scene { name: format!("{name} at depth {depth}"), depth, words, shape: Filled::Set(set), targets, tops }
+        Scene::new(format!("{name} at depth {depth}"), depth, words, Filled::Set(set), targets)
     }
 
     fn of_implicit(name: &str, depth: u8, shape: Implicit, seed: u64) -> Scene {
@@ -47,8 +51,16 @@ impl Scene {
             targets.extend(ray::first(&ray, depth, 0, &|h, c| shape.any(h, c)).map(|t| t.voxel));
         }
         let words = shape.words(depth);
-        let tops = tops(&words);
-        Scene { name: format!("{name} at depth {depth}"), depth, words, shape: Filled::Implicit(shape), targets, tops }
+        Scene::new(format!("{name} at depth {depth}"), depth, words, Filled::Implicit(shape), targets)
+    }
+
+    fn new(name: String, depth: u8, words: Vec<u32>, shape: Filled, targets: Vec<[u32; 3]>) -> Scene {
+        let dag = Dag::new(&words).expect("the twin's words are good");
+        let tops = [0, 1, 3, 4].map(|bits| TopBuf::new(&dag, bits).unwrap()).into();
+        let wide = WideBuf::new(&dag, usize::MAX).unwrap();
+        let bits = Top::bits_for_packets(&dag, 2 + depth % 3);
+        let wide_top = TopBuf::new(&wide.as_wide(), bits).unwrap();
+        Scene { name, depth, words, shape, targets, tops, wide, wide_top }
     }
 
     fn dag(&self) -> Dag<'_> {
@@ -57,6 +69,16 @@ impl Scene {
 
     fn tracers(&self) -> impl Iterator<Item = Tracer<'_>> {
         self.tops.iter().map(|top| Tracer::with_top(self.dag(), top.as_top()).expect("the grid is this DAG's"))
+    }
+
+    /// A tracer of packets at each level that this machine has.
+    fn packets(&self) -> impl Iterator<Item = Tracer<'_, Wide<'_>>> {
+        let tracer = Tracer::with_top(self.wide.as_wide(), self.wide_top.as_top()).expect("the grid is this tree's");
+        Level::all().map(move |level| {
+            let tracer = tracer.with_level(Some(level));
+            assert!(tracer.level().is_some() || self.wide.as_wide().is_empty());
+            tracer
+        })
     }
 
     fn any(&self, level: u8, corner: [u32; 3]) -> bool {
@@ -69,11 +91,6 @@ impl Scene {
     fn truth(&self, ray: &Ray, level: u8) -> Option<Truth> {
         ray::first(ray, self.depth, level, &|h, c| self.any(h, c))
     }
-}
-
-fn tops(words: &[u32]) -> Vec<TopBuf> {
-    let dag = Dag::new(words).expect("the twin's words are good");
-    [0, 1, 3, 4].map(|bits| TopBuf::new(&dag, bits).unwrap()).into()
 }
 
 /// Walls, diagonal walls, dust, a piece of a shell, and a cloud of single voxels.
@@ -142,6 +159,14 @@ fn check(scene: &Scene, ray: &Ray) -> Option<Truth> {
     for tracer in scene.tracers() {
         same(tracer.trace(Arithmetic::Exact, &query(ray)), truth.clone(), &what);
         assert_eq!(tracer.occluded(Arithmetic::Exact, &query(ray)), truth.is_some(), "occluded: {}", what());
+    }
+    // Neither do packets, at any level; the last one also walks it one by one.
+    for tracer in scene.packets() {
+        let (mut hit, mut blocked) = ([None], [false]);
+        tracer.trace_many(Arithmetic::Exact, &[query(ray)], &mut hit);
+        assert_eq!(hit[0], scene.dag().trace(&query(ray)), "{:?}: {}", tracer.level(), what());
+        tracer.occluded_many(Arithmetic::Exact, &[query(ray)], &mut blocked);
+        assert_eq!(blocked[0], truth.is_some(), "occluded, {:?}: {}", tracer.level(), what());
     }
     truth
 }

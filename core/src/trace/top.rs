@@ -49,11 +49,12 @@ impl<'a> Top<'a> {
         geometry.depth().saturating_sub(BRICK_LEVEL).min(8)
     }
 
-    /// The most cells, as a power of two and at most `bits`, of a grid that serves [`super::Tracer::with_level`].
+    /// The most cells, as a power of two and about `bits`, of a grid that serves [`super::Tracer::with_level`]: the level
+    /// of its cells is even.
     pub fn bits_for_packets<G: Geometry>(geometry: &G, bits: u8) -> u8 {
         let depth = geometry.depth().max(BRICK_LEVEL);
         let bits = bits.min(Top::most_bits(geometry));
-        if (depth - bits) % 2 == 0 { bits } else { bits.saturating_sub(1) }
+        if (depth - bits).is_multiple_of(2) { bits } else { bits.saturating_sub(1).max(depth % 2) }
     }
 
     /// Makes the grid of `2^bits` cells a side in lent memory; `None` if `bits` is above [`Top::most_bits`] or a slice

@@ -73,7 +73,10 @@ impl WideBuf {
             nodes = below;
             tree.starts[usize::from(level / 2 - 1)] = first as u32;
         }
-        tree.words.try_reserve(2 * nodes.len()).map_err(|_| tree.bytes() + size_of::<u64>() * nodes.len())?;
+        let needed = tree.bytes() + size_of::<u64>() * nodes.len();
+        if needed > limit || tree.words.try_reserve(2 * nodes.len()).is_err() {
+            return Err(needed);
+        }
         for brick in nodes {
             let voxels = geometry.brick_at(brick);
             tree.words.extend([voxels as u32, (voxels >> 32) as u32]);

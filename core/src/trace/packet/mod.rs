@@ -11,6 +11,8 @@
 //! No heap: a chunk's columns take some 60 kB of stack.
 
 mod arrive;
+#[cfg(test)]
+mod edge;
 mod enter;
 mod walk;
 
