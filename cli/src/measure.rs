@@ -32,6 +32,11 @@ impl<'a> Arm<'a> {
         Arm { items: inputs.len(), block: BLOCK, work: Box::new(sum) }
     }
 
+    /// Over each of `batches`, which stand for `length` items each, the last one maybe for less.
+    pub fn batches<T: Sync>(batches: &'a [T], length: usize, work: impl Fn(&T) -> u64 + Sync + 'a) -> Arm<'a> {
+        Arm { block: BLOCK / length, ..Arm::each(batches, work) }
+    }
+
     /// Over `0..items`, where each item is work enough to be timed alone.
     pub fn pieces(items: usize, work: impl Fn(usize) -> u64 + Sync + 'a) -> Arm<'a> {
         let sum = move |range: Range<usize>| range.fold(0, |sum: u64, i| sum.wrapping_add(work(i)));

@@ -75,6 +75,12 @@ fn normals_of_every_kind() {
     );
     assert_eq!(json["stored"], Value::Null);
     assert_ne!(json["face"]["checksum"], json["plane3"]["checksum"]);
+    // In batches they are the same.
+    for batches in json["batches"].as_array().unwrap() {
+        for kind in ["gradient", "plane1", "plane2", "plane3"] {
+            assert_eq!(batches[kind]["checksum"], json[kind]["checksum"], "{kind}, vectors: {}", batches["level"]);
+        }
+    }
     let json = s.ok(&format!("bench normals box.obj -r 64 --materials table-normals {SMALL}")).json();
     positive(&json, "stored.ns");
 }

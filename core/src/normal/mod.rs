@@ -11,17 +11,22 @@
 //! 0.3 to 2 % on balls, where voxels beyond the horizon stick out. In the same pictures the sum never did. Planes and
 //! sides as the thesis has them are the kinds named after Ernerfeldt.
 
+mod batch;
+mod cubes;
 mod ernerfeldt;
+mod lanes;
 mod plane;
 mod window;
+
+pub use batch::normals;
 
 use crate::geometry::Geometry;
 use crate::materials::Materials;
 use crate::math;
-use crate::morton::Morton;
 use crate::trace::{Face, Hit, Tracer};
+use cubes::{Alone, Windows};
 use plane::Fit;
-use window::Moments;
+use window::{Moments, Window};
 
 /// Where normals come from, in the order of what they cost, the stored ones aside.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -87,23 +92,28 @@ pub fn normal<G: Geometry, M: Materials>(
     dir: [f64; 3],
     kind: NormalKind,
 ) -> Normal {
-    let view = View::new(hit.face, dir);
+    one(&mut Alone(tracer), materials, hit, dir, kind)
+}
+
+/// The normal at `hit`.
+#[inline]
+fn one<M: Materials>(windows: &mut impl Windows, materials: M, hit: &Hit, dir: [f64; 3], kind: NormalKind) -> Normal {
+    let (view, center) = (View::new(hit.face, dir), hit.voxel.decode());
     let stored = || {
         let n = math::normalize(materials.normal(hit.voxel)?.map(f64::from))?;
         oriented(n, view.outwards, Confidence::Stored)
     };
-    let plane = |radius, fit| view.plane(tracer, hit.voxel, radius, fit);
     let found = match kind {
         NormalKind::Face => None,
-        NormalKind::Stored => stored().or_else(|| plane(2, plane::fit)),
-        NormalKind::Gradient => view.gradient(tracer, hit.voxel),
-        NormalKind::Plane1 => plane(1, plane::fit),
-        NormalKind::Plane2 => plane(2, plane::fit),
-        NormalKind::Plane3 => plane(3, plane::fit),
-        NormalKind::Ernerfeldt1 => plane(1, ernerfeldt::fit),
-        NormalKind::Ernerfeldt2 => plane(2, ernerfeldt::fit),
+        NormalKind::Stored => stored().or_else(|| view.plane(&windows.window::<2>(center), plane::fit)),
+        NormalKind::Gradient => view.gradient(&windows.window::<1>(center)),
+        NormalKind::Plane1 => view.plane(&windows.window::<1>(center), plane::fit),
+        NormalKind::Plane2 => view.plane(&windows.window::<2>(center), plane::fit),
+        NormalKind::Plane3 => view.plane(&windows.window::<3>(center), plane::fit),
+        NormalKind::Ernerfeldt1 => view.plane(&windows.window::<1>(center), ernerfeldt::fit),
+        NormalKind::Ernerfeldt2 => view.plane(&windows.window::<2>(center), ernerfeldt::fit),
     };
-    found.unwrap_or(Normal { direction: view.face.map(|x| x as f32), confidence: Confidence::Face })
+    found.unwrap_or_else(|| view.entry())
 }
 
 /// Where a hit is seen from.
@@ -123,15 +133,14 @@ impl View {
         View { dir, face, outwards: math::sub(face, dir) }
     }
 
-    /// From the voxels at most `radius` away along each axis; `None`: entry face.
-    fn plane<G: Geometry>(
-        &self,
-        tracer: &Tracer<'_, G>,
-        voxel: Morton,
-        radius: u32,
-        fit: fn(&Moments) -> Fit,
-    ) -> Option<Normal> {
-        let moments = Moments::around(tracer, voxel, radius);
+    /// The side of entry.
+    fn entry(&self) -> Normal {
+        Normal { direction: self.face.map(|x| x as f32), confidence: Confidence::Face }
+    }
+
+    /// From the voxels in a window; `None`: entry face.
+    fn plane<const RADIUS: usize>(&self, window: &Window<RADIUS>, fit: fn(&Moments) -> Fit) -> Option<Normal> {
+        let moments = window.sums().moments();
         match fit(&moments) {
             Fit::Point => None,
             Fit::Line(line) => {
@@ -140,27 +149,25 @@ impl View {
                 let across = math::normalize(math::cross(line, math::cross(self.dir, line)))?;
                 oriented(across, self.dir.map(|x| -x), Confidence::Line)
             }
-            Fit::Solid => self.gradient(tracer, voxel),
+            Fit::Solid => self.gradient(window),
             Fit::Regression(normal) => oriented(normal, self.face, Confidence::Regression),
             Fit::Plane { normal, ratio } => {
-                let outwards = math::add_scaled(self.outwards, moments.out_of_center(voxel, radius), 1.0);
+                let outwards = math::add_scaled(self.outwards, moments.out_of_center(RADIUS), 1.0);
                 oriented(normal, outwards, Confidence::Plane { ratio: ratio as f32 })
             }
         }
     }
 
-    /// From filled to empty among the six neighbours; outside the cube is empty. `None`: entry face.
-    fn gradient<G: Geometry>(&self, tracer: &Tracer<'_, G>, voxel: Morton) -> Option<Normal> {
-        let own = tracer.brick(voxel);
-        let filled = |axis: usize, step: i32| {
-            let mut offset = [0; 3];
-            offset[axis] = step;
-            let Some(v) = voxel.neighbour(offset) else { return 0.0 };
-            // Three of four neighbours lie in the same brick.
-            let mask = if v.0 >> 6 == voxel.0 >> 6 { own } else { tracer.brick(v) };
-            (mask >> (v.0 & 63) & 1) as f64
+    /// From filled to empty among the six neighbours in the middle of a window; outside the cube is empty. `None`: entry
+    /// face.
+    fn gradient<const RADIUS: usize>(&self, window: &Window<RADIUS>) -> Option<Normal> {
+        let filled = |axis: usize, at: usize| {
+            let mut neighbour = [RADIUS; 3];
+            neighbour[axis] = at;
+            f64::from(u8::from(window.contains(neighbour)))
         };
-        oriented(core::array::from_fn(|i| filled(i, -1) - filled(i, 1)), self.outwards, Confidence::Gradient)
+        let gradient = core::array::from_fn(|i| filled(i, RADIUS - 1) - filled(i, RADIUS + 1));
+        oriented(gradient, self.outwards, Confidence::Gradient)
     }
 }
 

@@ -13,7 +13,7 @@ use super::window::Moments;
 use crate::math;
 
 /// Largest l0 / l1 of a neighbourhood that counts as a plane.
-const PLANAR: f64 = 0.6;
+pub(super) const PLANAR: f64 = 0.6;
 
 /// What a set of voxels looks like.
 #[derive(Clone, Copy, PartialEq, Debug)]

@@ -179,12 +179,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         self.geometry
     }
 
-    /// Whether there is a top grid.
-    #[inline]
-    pub(crate) fn has_top(&self) -> bool {
-        self.top.is_some()
-    }
-
     /// Level of the nodes at which a search from above begins: the top grid's, or the root's.
     #[inline]
     pub(crate) fn entry_level(&self) -> u32 {
@@ -201,22 +195,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             Some(top) => top.node(voxel),
             None => (!self.geometry.is_empty()).then(|| self.geometry.root()),
         }
-    }
-
-    /// [`Geometry::brick`], by way of the top grid.
-    #[inline]
-    pub(crate) fn brick(&self, voxel: Morton) -> u64 {
-        if voxel.0 >> (3 * u32::from(self.geometry.depth().max(BRICK_LEVEL))) != 0 {
-            return 0;
-        }
-        let Some(mut node) = self.entry(voxel.decode()) else { return 0 };
-        for level in (BRICK_LEVEL..self.entry_level() as u8).rev() {
-            match self.geometry.child(node, level + 1, u32::from(voxel.octant(level))) {
-                Some(child) => node = child,
-                None => return 0,
-            }
-        }
-        self.geometry.brick_at(node)
     }
 
     /// The first filled voxel that the ray meets; `None` if there is none, or if the ray is no ray (NaN, infinite

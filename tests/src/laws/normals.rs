@@ -3,6 +3,7 @@
 use voxdag::materials::Single;
 use voxdag::math::{add_scaled, cross, dot, normalize, sub};
 use voxdag::normal::{Confidence, Normal, NormalKind, normal};
+use voxdag::simd::Level;
 use voxdag::trace::{Face, Hit, TopBuf, Tracer};
 use voxdag::{Dag, Morton};
 
@@ -11,8 +12,8 @@ use crate::eigen::jacobi;
 use crate::octree::VoxelSet;
 use crate::textbook::ernerfeldt;
 
-/// A normal is a unit vector for any input, and the one that the documentation describes: a plane, the textbook's plane, the gradient, a line's
-/// direction made perpendicular, or the entry face.
+/// A normal is a unit vector for any input, the same alone and among many, and the one that the documentation describes:
+/// a plane, the textbook's plane, the gradient, a line's direction made perpendicular, or the entry face.
 ///
 /// Byte 0: the lowest three bits are the kind, the next three (modulo 7) the face, the upper two where the
 /// window lies: in the middle of a cube, at its first corner, at the last one of the deepest cube, or in a cube of side 4.
@@ -51,11 +52,28 @@ pub fn normals(data: &[u8]) {
     let top = TopBuf::new(&dag, 2).unwrap();
     let tracer = Tracer::with_top(dag, top.as_top()).expect("the grid is this DAG's");
     assert_eq!(normal(&tracer, Single(0), &hit, dir, kind), found, "a top grid changes the normal");
+    many(&tracer, &hit, dir, kind);
     let length2: f64 = found.direction.iter().map(|&x| f64::from(x) * f64::from(x)).sum();
     assert!((length2 - 1.0).abs() < 1e-6, "no unit vector: {found:?}");
     if in_cube(&voxel) && dir.iter().all(|x| x.is_finite()) {
         let twin = Twin { voxels, voxel, dir: normalize(dir).unwrap_or([0.0; 3]), face: entry_face(face, dir) };
         twin.check(&found, kind);
+    }
+}
+
+/// Normals at many hits, of which this is the first, are those one by one: the same voxel through all faces, and those
+/// before and after it on the Morton curve.
+fn many(tracer: &Tracer<'_, Dag<'_>>, hit: &Hit, dir: [f64; 3], kind: NormalKind) {
+    let hits: [Hit; 40] = core::array::from_fn(|i| match i {
+        0..7 => Hit { face: FACES[(i + FACES.iter().position(|f| *f == hit.face).unwrap_or(0)) % 7], ..*hit },
+        _ => Hit { voxel: Morton(hit.voxel.0.wrapping_add(i as u64 - 7).wrapping_sub(16) & u64::MAX >> 1), ..*hit },
+    });
+    let bits = |n: Normal| (n.direction.map(f32::to_bits), n.confidence);
+    let alone = hits.map(|hit| normal(tracer, Single(0), &hit, dir, kind));
+    for level in [None].into_iter().chain(Level::all().map(Some)) {
+        let mut found = hits.map(|_| Normal { direction: [0.0; 3], confidence: Confidence::Stored });
+        voxdag::normal::normals(level, tracer, Single(0), &hits, &[dir; 40], kind, &mut found);
+        assert_eq!(found.map(bits), alone.map(bits), "many at once with {:?}", level.map(Level::name));
     }
 }
 
