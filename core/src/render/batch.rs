@@ -14,7 +14,7 @@ use crate::material::{Material, MaterialId};
 use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
-use crate::normal::{self, Confidence, Normal, NormalKind};
+use crate::normal::{self, Confidence, Normal};
 use crate::shade::{self, Incidence, Light, LightKind, Surface};
 use crate::trace::{Arithmetic, Face, Hit, Query, Tracer};
 
@@ -121,7 +121,8 @@ impl Batch {
         for (id, hit) in self.materials.iter_mut().zip(hits) {
             *id = view.materials.id(hit.voxel);
         }
-        normals(&view.tracer, view.materials, hits, &self.dirs, settings.normals, &mut self.normals);
+        let level = view.tracer.vectors();
+        normal::normals(level, &view.tracer, view.materials, hits, &self.dirs, settings.normals, &mut self.normals);
         for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
             *color = shade::glow(material(view.palette, *id), settings.ambient);
         }
@@ -230,18 +231,4 @@ impl Batch {
 #[inline]
 fn material(palette: &[Material], id: MaterialId) -> &Material {
     palette.get(usize::from(id)).unwrap_or(&Material::GREY)
-}
-
-/// The normals at hits; `dirs[i]` is the direction of the ray that found `hits[i]`.
-fn normals<M: Materials, G: Geometry>(
-    tracer: &Tracer<'_, G>,
-    materials: M,
-    hits: &[Hit],
-    dirs: &[[f64; 3]],
-    kind: NormalKind,
-    out: &mut [Normal],
-) {
-    for ((hit, dir), out) in hits.iter().zip(dirs).zip(out) {
-        *out = normal::normal(tracer, materials, hit, *dir, kind);
-    }
 }

@@ -169,6 +169,12 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         Tracer { level, ..self }
     }
 
+    /// What was given to [`Tracer::with_level`].
+    #[inline]
+    pub(crate) fn vectors(&self) -> Option<Level> {
+        self.level
+    }
+
     /// What many rays at once are traced by; `None` if they are traced one by one.
     pub fn level(&self) -> Option<Level> {
         packet::Packets::of(self, Arithmetic::Exact).and(self.level)
