@@ -23,7 +23,7 @@ pub struct Arm<'a> {
 }
 
 /// Items that a thread takes at a time where one takes nanoseconds: reading the clock twice is nothing beside them.
-const BLOCK: usize = 1 << 14;
+pub const BLOCK: usize = 1 << 14;
 
 impl<'a> Arm<'a> {
     /// Over each of `inputs`; `work` gives what is added to the checksum.
@@ -41,6 +41,21 @@ impl<'a> Arm<'a> {
     pub fn pieces(items: usize, work: impl Fn(usize) -> u64 + Sync + 'a) -> Arm<'a> {
         let sum = move |range: Range<usize>| range.fold(0, |sum: u64, i| sum.wrapping_add(work(i)));
         Arm { items, block: 1, work: Box::new(sum) }
+    }
+
+    /// Over `0..items`, of which a thread takes `block` at a time; `work` does a range of them as it likes.
+    pub fn ranges(items: usize, block: usize, work: impl Fn(Range<usize>) -> u64 + Sync + 'a) -> Arm<'a> {
+        Arm { items, block, work: Box::new(work) }
+    }
+
+    /// How many there are.
+    pub fn items(&self) -> usize {
+        self.items
+    }
+
+    /// The checksum of everything once.
+    pub fn sum(&self) -> u64 {
+        self.pass().1
     }
 
     /// Everything once, on the threads of the current pool: the sum of their CPU times, and the checksum.
@@ -145,9 +160,12 @@ mod tests {
             calls.fetch_add(1, Ordering::Relaxed);
             1 << i
         });
-        let [a, b] = measure(3, [each, pieces]).unwrap();
+        let ranges = Arm::ranges(40_000, 64, |range| range.map(|i| inputs[i]).sum());
+        assert_eq!(ranges.sum(), 40_000 * 39_999 / 2);
+        let [a, b, c] = measure(3, [each, pieces, ranges]).unwrap();
         assert_eq!((a.checksum, a.seconds.len()), (40_000 * 39_999 / 2, 3));
         assert_eq!((b.checksum, b.seconds.len()), (127, 3));
+        assert_eq!((c.checksum, c.seconds.len()), (a.checksum, 3));
         assert_eq!((done.into_inner(), calls.into_inner()), (120_000, 21));
     }
 

@@ -23,6 +23,11 @@ impl Memory {
         self.limit.map(|limit| limit.saturating_sub(self.held))
     }
 
+    /// The same account with so many bytes more that are held.
+    pub fn with(&self, bytes: u64) -> Memory {
+        Memory { held: self.held.saturating_add(bytes), ..*self }
+    }
+
     /// Bytes that are held.
     pub fn held(&self) -> u64 {
         self.held

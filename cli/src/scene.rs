@@ -17,8 +17,9 @@ use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::trace::{TopBuf, Tracer};
+use voxdag::trace::{Top, TopBuf, Tracer};
 use voxdag::voxelize::{Cover, VoxelizeError};
+use voxdag::wide::WideBuf;
 use voxdag::{Dag, Material, Mesh};
 
 use crate::error::{Error, Kind, Result};
@@ -405,7 +406,7 @@ pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
 }
 
 /// Cells along an axis of the top grid, as a power of two: 32^3 of them take 1 MiB and are made in some 10 ms.
-const TOP_BITS: u8 = 5;
+pub const TOP_BITS: u8 = 5;
 
 /// The grid that makes rays faster; it pays for itself after some thousand of them.
 pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
@@ -413,10 +414,53 @@ pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
-/// What answers rays, by way of the geometry's top grid.
-pub fn tracer<G: Geometry>(geometry: G, top: &TopBuf) -> Tracer<'_, G> {
-    Tracer::with_top(geometry, top.as_top()).unwrap_or(Tracer::new(geometry))
+/// What answers rays, by way of the geometry's top grid if there is one.
+pub fn tracer<'a, G: Geometry>(geometry: G, top: impl Into<Option<&'a TopBuf>>) -> Tracer<'a, G> {
+    top.into().and_then(|top| Tracer::with_top(geometry, top.as_top())).unwrap_or(Tracer::new(geometry))
 }
+
+/// The tree that makes many rays at once faster, within what the memory limit leaves; `None` if there is no room for it.
+pub fn wide(geometry: &impl Geometry, memory: &Memory) -> Option<WideBuf> {
+    // While it is made, it takes up to twice as much.
+    let limit = memory.left().map_or(usize::MAX, |left| usize::try_from(left / 2).unwrap_or(usize::MAX));
+    WideBuf::new(geometry, limit).ok()
+}
+
+/// The largest top grid, of at most `2^bits` cells along an axis, that the memory limit leaves room for; that of a wide tree
+/// is one for many rays at once. `None` if there is no room at all.
+pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option<TopBuf> {
+    let left = memory.left().unwrap_or(u64::MAX);
+    let fits = |&bits: &u8| 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64 <= left;
+    let (bits, step) = match geometry.wide_words() {
+        Some(_) => (Top::bits_for_packets(geometry, bits), 2),
+        None => (bits.min(Top::most_bits(geometry)), 1),
+    };
+    (0..=bits).rev().step_by(step).filter(fits).find_map(|bits| TopBuf::new(geometry, bits).ok())
+}
+
+/// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where there
+/// is no room or no use for that, one by one over what it is. Derived data takes what the [`Memory`] leaves.
+macro_rules! with_tracer {
+    ($geometry:expr, $memory:expr, $tracer:ident => $body:expr) => {{
+        let (geometry, memory) = ($geometry, $memory);
+        let level = voxdag::simd::Level::best();
+        match level.and_then(|_| voxdag::match_geometry!(geometry, g => $crate::scene::wide(&g, memory))) {
+            Some(wide) => {
+                let wide = wide.as_wide();
+                let rest = memory.with(wide.bytes() as u64);
+                let top = $crate::scene::top_within(&wide, $crate::scene::TOP_BITS, &rest);
+                let $tracer = $crate::scene::tracer(wide, top.as_ref()).with_level(level);
+                $body
+            }
+            None => voxdag::match_geometry!(geometry, g => {
+                let top = $crate::scene::top_within(&g, $crate::scene::TOP_BITS, memory);
+                let $tracer = $crate::scene::tracer(g, top.as_ref());
+                $body
+            }),
+        }
+    }};
+}
+pub(crate) use with_tracer;
 
 /// What a mesh takes in memory.
 fn bytes_of(mesh: &Mesh<'_>) -> u64 {

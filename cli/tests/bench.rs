@@ -4,6 +4,8 @@
 mod common;
 use common::Sandbox;
 use serde_json::Value;
+use voxdag::demo;
+use voxdag::simd::Level;
 
 /// The number at a path (dots go down); it is there, finite and not negative.
 fn number(value: &Value, path: &str) -> f64 {
@@ -34,14 +36,15 @@ fn trace_counts_rays_and_hits() {
     positive(
         &json,
         "primary.mrays_per_s primary.mrays_per_s_min primary.mrays_per_s_max primary_no_top.mrays_per_s \
-         primary_f64.mrays_per_s primary_any.mrays_per_s shadow.mrays_per_s random.mrays_per_s iterations_per_ray \
+         primary_one.mrays_per_s primary_f64.mrays_per_s primary_any.mrays_per_s shadow.mrays_per_s \
+         shadow_one.mrays_per_s random.mrays_per_s random_one.mrays_per_s iterations_per_ray \
          iterations_per_ray_no_top exact_to_f64 any_to_nearest noise top_grid.bytes",
     );
     let rate = |key: &str| number(&json, &format!("primary.mrays_per_s{key}"));
     assert!(rate("_min") <= rate("") && rate("") <= rate("_max"));
     assert_eq!(number(&json, "primary.rays"), 64.0 * 32.0);
     // The floor is a square in the middle of a picture that is twice as wide as high: half of the rays.
-    for kind in ["primary", "primary_no_top", "primary_f64", "primary_any"] {
+    for kind in ["primary", "primary_one", "primary_no_top", "primary_f64", "primary_any"] {
         assert_eq!(number(&json, &format!("{kind}.hit_fraction")), 0.5, "{kind}");
     }
     // Nothing stands between the floor and the light, and a ray that leaves a floor never comes back to it.
@@ -58,9 +61,48 @@ fn trace_counts_rays_and_hits() {
     }
     assert_eq!(scene["threads"], 2);
     let text = s.ok(&format!("bench trace floor.vxd {flags}")).stdout;
-    for word in ["primary", "shadow", "random", "Mrays/s", "iterations", "noise"] {
+    for word in ["level", "primary", "one by one", "shadow", "random", "Mrays/s", "iterations", "noise"] {
         assert!(text.contains(word), "no `{word}` in\n{text}");
     }
+}
+
+/// Rays, hits and checksum of a row.
+fn found<'a>(json: &'a Value, key: &str) -> [&'a Value; 3] {
+    ["rays", "hit_fraction", "checksum"].map(|of| json[key].get(of).unwrap_or_else(|| panic!("no {key}.{of}")))
+}
+
+#[test]
+fn every_level_finds_the_same() {
+    let s = Sandbox::new();
+    s.write("demo.obj", demo::obj());
+    s.write(demo::MTL_NAME, demo::mtl());
+    // Pictures that tiles do not divide, and octrees of even and of odd depth.
+    for (resolution, size) in [(64, "83x50"), (128, "170x35")] {
+        s.ok(&format!("build demo.obj -o demo.vxd -r {resolution}"));
+        let run = |level: &str| s.ok(&format!("bench trace demo.vxd --size {size} --repeat 1 --json {level}")).json();
+        let scalar = run("--level scalar");
+        assert_eq!((&scalar["level"], &scalar["primary_f32"]), (&"scalar".into(), &Value::Null));
+        assert_eq!(scalar["wide_tree"], Value::Null);
+        let mut previews = Vec::new();
+        for level in Level::all().map(Level::name) {
+            let json = run(&format!("--level {level}"));
+            assert_eq!(json["level"], level);
+            for kind in ["primary", "shadow", "random"] {
+                let one = format!("{kind}_one");
+                for (key, other) in [(kind, &json), (&one, &json), (kind, &scalar), (&one, &scalar)] {
+                    assert_eq!(found(&json, kind), found(other, key), "{kind}, {level}, {resolution}^3");
+                }
+            }
+            // A preview, but a good one, and the same everywhere.
+            positive(&json, "primary_f32.mrays_per_s wide_tree.bytes wide_tree.ms");
+            assert!(number(&json, "primary_f32.differing_fraction") < 0.01, "{json:#}");
+            previews.push((json["primary_f32"]["checksum"].clone(), json["primary_f32"]["differing_fraction"].clone()));
+        }
+        assert!(previews.windows(2).all(|two| two[0] == two[1]), "{previews:?}");
+        // The widest is what counts if nobody says otherwise.
+        assert_eq!(run("")["level"], Level::all().last().map_or("scalar", Level::name));
+    }
+    s.run("bench trace demo.vxd --level x87").fails(2, &["--level", "x87", "scalar"]);
 }
 
 const SMALL: &str = "--size 32x24 --repeat 1 --json";

@@ -1,14 +1,16 @@
 /* Embree's single-ray rates on a mesh, measured as `voxdag bench trace` measures ours.
  *
  * In: an OBJ, a camera, the size of a picture. Out: one line of JSON: rtcIntersect1 on one ray through the centre of
- * every pixel, and rtcOccluded1 from its hits to centre + 3 R (0.3, 1, 0.4)/|.| of the mesh's box. Rays lie ready in
- * memory as RTCRayHit and RTCRay; only the calls are timed, by the thread's CPU time; medians of repetitions.
+ * every pixel, rtcOccluded1 from its hits to centre + 3 R (0.3, 1, 0.4)/|.| of the mesh's box, and rtcIntersect1 from
+ * the hits in random directions, all of the sphere alike. Rays lie ready in memory as RTCRayHit and RTCRay, in the order
+ * of the pixels; only the calls are timed, by the thread's CPU time; medians of repetitions.
  *
  *   compare MESH.obj WxH REPEAT FOV EYE TARGET      EYE and TARGET are x,y,z, or - for voxdag's default view
  */
 #define _GNU_SOURCE
 #include <embree3/rtcore.h>
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -99,12 +101,41 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* Prints the rate by the median of the times, which it sorts, and the share of the rays that hit. */
+static void print(const char *name, double *times, int repeat, size_t rays, size_t hits) {
+    qsort(times, repeat, sizeof(double), ascending);
+    printf("\"%s\": {\"mrays_per_s\": %.4f, \"hit_fraction\": %.6f}", name, rays ? rays / times[repeat / 2] / 1e6 : 0,
+           rays ? (double)hits / rays : 0);
+}
+
 static struct RTCRay ray(Vec origin, Vec dir, float tnear, float tfar) {
     struct RTCRay r = {0};
     r.org_x = (float)origin.x, r.org_y = (float)origin.y, r.org_z = (float)origin.z, r.tnear = tnear;
     r.dir_x = (float)dir.x, r.dir_y = (float)dir.y, r.dir_z = (float)dir.z, r.tfar = tfar;
     r.mask = ~0u;
     return r;
+}
+
+static struct RTCRayHit nearest(struct RTCRay ray) {
+    struct RTCRayHit r = {.ray = ray};
+    r.hit.geomID = r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    return r;
+}
+
+/* The next number of a seeded sequence, from -1 up to 1: splitmix64. */
+static double next(uint64_t *state) {
+    uint64_t x = *state += 0x9e3779b97f4a7c15;
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9;
+    x = (x ^ x >> 27) * 0x94d049bb133111eb;
+    return (double)((x ^ x >> 31) >> 11) * 0x1p-52 - 1;
+}
+
+static Vec random_direction(uint64_t *state) {
+    for (;;) {
+        double x = next(state), y = next(state), z = next(state);
+        Vec v = {x, y, z};
+        if (dot(v, v) <= 1 && dot(v, v) > 1e-6) return v;
+    }
 }
 
 static Vec vector(const char *text, Vec otherwise) {
@@ -145,48 +176,56 @@ int main(int argc, char **argv) {
     RTCDevice device = rtcNewDevice("threads=1");
     if (!device) fail("Embree does not start");
     RTCScene scene = build(device);
-    size_t count = (size_t)width * height, hits = 0, shadows = 0, blocked = 0;
-    struct RTCRayHit *rays = aligned_alloc(16, count * sizeof *rays);
+    size_t count = (size_t)width * height, hits = 0, blocked = 0, random_hits = 0;
+    struct RTCRayHit *rays = aligned_alloc(16, count * sizeof *rays), *random = aligned_alloc(16, count * sizeof *random);
     struct RTCRay *shadow = aligned_alloc(16, count * sizeof *shadow);
     double *primary_times = calloc(repeat, sizeof(double)), *shadow_times = calloc(repeat, sizeof(double));
-    if (!rays || !shadow || !primary_times || !shadow_times) fail("out of memory");
+    double *random_times = calloc(repeat, sizeof(double));
+    if (!rays || !random || !shadow || !primary_times || !shadow_times || !random_times) fail("out of memory");
 
     Vec light = add(centre, unit((Vec){0.3, 1, 0.4}), 3 * radius);
     for (int repetition = 0; repetition < repeat; repetition++) {
         for (size_t i = 0; i < count; i++) {
             Vec dir = add(add(corner, right, pixel * (i % width + 0.5)), up, -pixel * (i / width + 0.5));
-            rays[i].ray = ray(eye, dir, 0, INFINITY);
-            rays[i].hit.geomID = RTC_INVALID_GEOMETRY_ID;
-            rays[i].hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            rays[i] = nearest(ray(eye, dir, 0, INFINITY));
         }
-        struct RTCIntersectContext context;
-        rtcInitIntersectContext(&context);
-        context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+        struct RTCIntersectContext coherent, incoherent;
+        rtcInitIntersectContext(&coherent);
+        rtcInitIntersectContext(&incoherent);
+        coherent.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
         double start = now();
-        for (size_t i = 0; i < count; i++) rtcIntersect1(scene, &context, &rays[i]);
+        for (size_t i = 0; i < count; i++) rtcIntersect1(scene, &coherent, &rays[i]);
         primary_times[repetition] = now() - start;
 
-        hits = shadows = blocked = 0;
+        hits = blocked = random_hits = 0;
+        uint64_t state = 3;
         for (size_t i = 0; i < count; i++) {
             if (rays[i].hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
-            hits++;
             struct RTCRay r = rays[i].ray;
             /* From just before the hit, as ours start in the voxel before: a wall without thickness blocks its far side. */
             double before = r.tfar * (1 - 1e-5);
             Vec point = add((Vec){r.org_x, r.org_y, r.org_z}, (Vec){r.dir_x, r.dir_y, r.dir_z}, before);
-            shadow[shadows++] = ray(point, add(light, point, -1), 0, 1);
+            shadow[hits] = ray(point, add(light, point, -1), 0, 1);
+            random[hits++] = nearest(ray(point, random_direction(&state), 0, INFINITY));
         }
         start = now();
-        for (size_t i = 0; i < shadows; i++) rtcOccluded1(scene, &context, &shadow[i]);
+        for (size_t i = 0; i < hits; i++) rtcOccluded1(scene, &coherent, &shadow[i]);
         shadow_times[repetition] = now() - start;
-        for (size_t i = 0; i < shadows; i++) blocked += shadow[i].tfar < 0;
+        start = now();
+        for (size_t i = 0; i < hits; i++) rtcIntersect1(scene, &incoherent, &random[i]);
+        random_times[repetition] = now() - start;
+        for (size_t i = 0; i < hits; i++) {
+            blocked += shadow[i].tfar < 0;
+            random_hits += random[i].hit.geomID != RTC_INVALID_GEOMETRY_ID;
+        }
     }
 
-    qsort(primary_times, repeat, sizeof(double), ascending);
-    qsort(shadow_times, repeat, sizeof(double), ascending);
-    printf("{\"triangles\": %zu, \"primary\": {\"mrays_per_s\": %.4f, \"hit_fraction\": %.6f}, "
-           "\"shadow\": {\"mrays_per_s\": %.4f, \"hit_fraction\": %.6f}}\n",
-           triangle_count, count / primary_times[repeat / 2] / 1e6, (double)hits / count,
-           shadows ? shadows / shadow_times[repeat / 2] / 1e6 : 0, shadows ? (double)blocked / shadows : 0);
+    printf("{\"triangles\": %zu, ", triangle_count);
+    print("primary", primary_times, repeat, count, hits);
+    printf(", ");
+    print("shadow", shadow_times, repeat, hits, blocked);
+    printf(", ");
+    print("random", random_times, repeat, hits, random_hits);
+    printf("}\n");
     return 0;
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# voxdag against Embree's rtcIntersect1 and rtcOccluded1 on the source triangles: same rays, same run, one thread.
+# voxdag against Embree's rtcIntersect1 and rtcOccluded1 on the source triangles: same rays, same run, one thread. Rays in
+# random directions have the same starts, and directions of the same distribution.
 #
-#   docs/embree/compare.sh SCENES [ROUNDS] [FLAGS OF voxdag bench]
+#   docs/embree/compare.sh SCENES [ROUNDS] [FLAGS OF voxdag bench trace, such as --level avx2]
 #
 # SCENES is a folder with bunny/bunny.obj, dragon/dragon.obj, sponza/sponza.obj and conference/conference.obj. Each
 # round runs ours and Embree's after each other with 3 repetitions; the table has the medians of ROUNDS (5) rounds and
@@ -40,7 +41,7 @@ compare() {
         "$work/embree" "$obj" 1920x1080 3 "$fov" "$eye" "$target" >"$work/theirs.$round.json"
     done
     local row=$name kind ours theirs ratio
-    for kind in primary shadow; do
+    for kind in primary shadow random; do
         ours=$(jq ".$kind.mrays_per_s" "$work"/ours.*.json | median)
         theirs=$(jq ".$kind.mrays_per_s" "$work"/theirs.*.json | median)
         ratio=$(for ((round = 0; round < rounds; round++)); do
@@ -62,8 +63,9 @@ inside() {
 }
 
 echo "| camera, $resolution^3 | primary: voxdag Mrays/s | Embree Mrays/s | ratio | hit, ours / Embree's |" \
-    "shadow: voxdag | Embree | ratio | blocked, ours / Embree's |"
-echo "| --- | ---: | ---: | ---: | --- | ---: | ---: | ---: | --- |"
+    "shadow: voxdag | Embree | ratio | blocked, ours / Embree's |" \
+    "random: voxdag | Embree | ratio | hit, ours / Embree's |"
+echo "| --- | ---: | ---: | ---: | --- | ---: | ---: | ---: | --- | ---: | ---: | ---: | --- |"
 compare "bunny 0" bunny/bunny.obj 45 - -
 # 53.13 degrees: a field as high as its distance.
 compare "bunny 1" bunny/bunny.obj 53.13 0,0,32 0,0,0

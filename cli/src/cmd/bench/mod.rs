@@ -7,6 +7,7 @@ mod accuracy;
 mod build;
 mod materials;
 mod normals;
+mod packets;
 mod ranks;
 mod rays;
 mod trace;
@@ -43,8 +44,8 @@ pub struct Args {
 
 #[derive(Subcommand)]
 enum Subject {
-    /// Rays per second: from the camera, from hits to a light, from hits to everywhere
-    Trace(Run),
+    /// Rays per second: from the camera, from hits to a light, from hits to everywhere; many at once and one by one
+    Trace(trace::Args),
     /// Time per normal, by kind
     Normals(Run),
     /// Time per look-up of a voxel's material
@@ -88,7 +89,7 @@ struct Run {
 
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
-    let (Subject::Trace(run)
+    let (Subject::Trace(trace::Args { run, .. })
     | Subject::Normals(run)
     | Subject::Materials(run)
     | Subject::Ranks(run)
@@ -96,8 +97,8 @@ pub fn run(args: &Args) -> Result<()> {
     | Subject::Accuracy(run)) = &args.subject;
     run.build.check()?;
     let input = Input::read(run)?;
-    run.machine().pool()?.install(|| match args.subject {
-        Subject::Trace(_) => input.with_scene(run, |scene| trace::run(run, scene)),
+    run.machine().pool()?.install(|| match &args.subject {
+        Subject::Trace(args) => input.with_scene(run, |scene| trace::run(args, scene)),
         Subject::Normals(_) => input.with_scene(run, |scene| normals::run(run, scene)),
         Subject::Materials(_) => input.with_scene(run, |scene| materials::run(run, scene)),
         Subject::Ranks(_) => input.with_scene(run, |scene| ranks::run(run, scene)),

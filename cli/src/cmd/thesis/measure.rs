@@ -21,7 +21,7 @@ use crate::measure::{Arm, Spread, Times, measure};
 use crate::memory::Memory;
 use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs};
 use crate::picture::{self, Picture, Shown};
-use crate::scene::{self, Source, Voxels};
+use crate::scene::{self, Source, Voxels, with_tracer};
 use crate::stats::{self, ms};
 
 /// What is measured.
@@ -116,7 +116,7 @@ pub fn run(
         })
     };
     sizes(subject, report, &kept)?;
-    look_ups(subject, report, &kept, &shown(DAG, TREE)?, args)?;
+    look_ups(subject, report, &kept, &shown(DAG, TREE)?, args, memory)?;
     progress(0.1);
     agree(subject, report, &shown, args, memory)?;
     progress(0.2);
@@ -268,8 +268,9 @@ fn look_ups(
     kept: &Kept,
     shown: &Shown<'_>,
     args: &PictureArgs,
+    memory: &Memory,
 ) -> Result<()> {
-    let voxels = hits(shown, args)?;
+    let voxels = hits(shown, args, memory)?;
     if voxels.is_empty() {
         return Ok(());
     }
@@ -304,11 +305,11 @@ fn look_ups(
 }
 
 /// The voxels that the middles of the pixels show, row by row.
-fn hits(shown: &Shown<'_>, args: &PictureArgs) -> Result<Vec<Morton>> {
-    let top = scene::top_grid(shown.geometry)?;
-    let tracer = scene::tracer(shown.geometry, &top);
+fn hits(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<Morton>> {
     let queries = picture::primary(shown, &args.camera, args.size)?;
-    Ok(queries.iter().filter_map(|query| tracer.trace(Arithmetic::Exact, query)).map(|hit| hit.voxel).collect())
+    let mut hits = vec![None; queries.len()];
+    with_tracer!(shown.geometry, memory, tracer => tracer.trace_many(Arithmetic::Exact, &queries, &mut hits));
+    Ok(hits.into_iter().flatten().map(|hit| hit.voxel).collect())
 }
 
 /// Equal data must give equal pictures, bit for bit, through every layout and representation.
