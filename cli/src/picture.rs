@@ -16,14 +16,14 @@ use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
 use voxdag::shade::{Light, LightKind, has_highlight};
 use voxdag::trace::Query;
-use voxdag::{Grid, Material, match_geometry};
+use voxdag::{Grid, Material};
 
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
 use crate::options::{CameraArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
-use crate::scene;
+use crate::scene::with_tracer;
 
 /// A finished picture and what it took.
 pub struct Picture {
@@ -70,16 +70,15 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memo
     let [width, height] = args.size;
     // Once as pixels and once as bytes for the encoder.
     let mut pixels = room(args.size, 8, memory)?;
+    let memory = memory.with(8 * pixels.len() as u64);
 
     let camera = camera(scene, &args.camera)?;
     let lights = lights(scene, &camera, args);
     let start = Instant::now();
     let settings = Settings { mark_supersampled, ..settings(scene, &camera, args)? };
-    // One kernel for each layout of voxels, chosen once; materials are matched at each hit, which costs nothing measurable.
-    let counters = match_geometry!(scene.geometry, geometry => {
-        // The grid pays for itself after some thousand rays.
-        let top = scene::top_grid(geometry)?;
-        let tracer = scene::tracer(geometry, &top);
+    // One kernel for wide trees, which are made of any layout; where there is no room for one, one for each layout. Materials
+    // are matched at each hit, which costs nothing measurable.
+    let counters = with_tracer!(scene.geometry, &memory, tracer => {
         let (palette, materials) = (&scene.palette[..], scene.materials);
         let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
         in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?

@@ -200,6 +200,8 @@ pub enum ArithmeticArg {
     Exact,
     /// Rounded; may miss by a voxel where a ray runs along an edge
     F64,
+    /// Rounded coarsely where many rays are followed at once: a preview
+    F32,
 }
 
 impl ArithmeticArg {
@@ -208,6 +210,7 @@ impl ArithmeticArg {
         match self {
             ArithmeticArg::Exact => Arithmetic::Exact,
             ArithmeticArg::F64 => Arithmetic::F64,
+            ArithmeticArg::F32 => Arithmetic::F32,
         }
     }
 }

@@ -190,6 +190,12 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     let inside = last_near.simd_lt(t_min - slack);
     let alone = (close[0] ^ close[1] ^ close[2]) & !(close[0] & close[1] & close[2]);
     let mut clear = (inside | outside & alone) & now.simd_lt(leave - slack) & now.simd_lt(t_max - slack);
+    // Where it begins at time 0 and in the cube, which secondary rays do, often on a plane, there is nothing to round.
+    let mut within = t_min.simd_eq(zero);
+    for i in 0..3 {
+        within &= o[i].simd_ge(zero) & o[i].simd_lt(size);
+    }
+    now = within.select(zero, now);
     let mut begun = started;
     if STARTED {
         // The line is to pass the voxel that it starts in.
@@ -212,10 +218,12 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
         clear &= crossed | (middle[i] - rounded).abs().simd_lt(splat(0.5) - error);
         let first = up[i].select(zero, splat(size - 1.0));
         voxel[i] = crossed.select(first, rounded.max(zero).min(splat(size - 1.0)));
+        voxel[i] = within.select(o[i].floor(), voxel[i]);
         if STARTED {
             voxel[i] = started.select(start[i], voxel[i]);
         }
     }
+    clear |= within;
     if STARTED {
         clear = (!started & clear) | begun;
     }
