@@ -543,3 +543,38 @@ fn write_words(words: &[u32], mut file: impl Write) -> std::io::Result<()> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voxdag::Morton;
+    use voxdag::build::DagBuilder;
+    use voxdag::simd::Level;
+
+    #[test]
+    fn what_makes_rays_faster_stays_within_the_limit() {
+        // Bricks on the diagonal of a cube of 2^9 voxels a side.
+        let mut builder = DagBuilder::new(9).unwrap();
+        (0..128).for_each(|k| builder.push(Morton::encode([4 * k; 3]).unwrap(), 1).unwrap());
+        let dag = builder.finish().unwrap();
+        let dag = dag.dag();
+
+        let tree = wide(&dag, &Memory::new(None)).unwrap();
+        let bytes = tree.as_wide().bytes() as u64;
+        assert!(wide(&dag, &Memory::new(Some(2 * bytes))).is_some());
+        assert!(wide(&dag, &Memory::new(Some(2 * bytes + 99)).with(100)).is_none());
+
+        // Smaller grids where there is less room; those of a wide tree all serve many rays at once.
+        for bits in 0..=TOP_BITS {
+            let left = 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64;
+            let memory = Memory::new(Some(left));
+            assert!(top_within(&dag, TOP_BITS, &memory).is_some());
+            assert!(top_within(&dag, TOP_BITS, &memory.with(left)).is_none());
+            // At depth 9 the cells of a grid of one are of odd level.
+            let top = top_within(&tree.as_wide(), TOP_BITS, &memory);
+            assert_eq!(top.is_some(), bits >= 1);
+            let many = tracer(tree.as_wide(), top.as_ref()).with_level(Level::best());
+            assert_eq!(many.level().is_some(), bits >= 1 && Level::best().is_some());
+        }
+    }
+}
