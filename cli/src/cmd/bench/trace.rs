@@ -20,7 +20,7 @@ pub struct Args {
     #[command(flatten)]
     pub run: Run,
 
-    /// Vector instructions by which many rays are traced at once, of those that this machine has [default: the widest]
+    /// Vector instructions by which many rays are traced at once; this machine has those below [default: the widest]
     #[arg(long, value_name = "SET", value_parser = PossibleValuesParser::new(levels()), help_heading = "Machine")]
     level: Option<String>,
 }
