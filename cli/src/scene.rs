@@ -419,15 +419,15 @@ pub fn tracer<'a, G: Geometry>(geometry: G, top: impl Into<Option<&'a TopBuf>>) 
     top.into().and_then(|top| Tracer::with_top(geometry, top.as_top())).unwrap_or(Tracer::new(geometry))
 }
 
-/// The tree that makes many rays at once faster, within what the memory limit leaves; `None` if there is no room for it.
+/// The tree that makes many rays at once faster, within what the memory limit leaves; `None` if there is no room.
 pub fn wide(geometry: &impl Geometry, memory: &Memory) -> Option<WideBuf> {
     // While it is made, it takes up to twice as much.
     let limit = memory.left().map_or(usize::MAX, |left| usize::try_from(left / 2).unwrap_or(usize::MAX));
     WideBuf::new(geometry, limit).ok()
 }
 
-/// The largest top grid, of at most `2^bits` cells along an axis, that the memory limit leaves room for; that of a wide tree
-/// is one for many rays at once. `None` if there is no room at all.
+/// The largest top grid, of at most `2^bits` cells along an axis, that the memory limit leaves room for; that of a wide
+/// tree is one for many rays at once. `None` if there is no room at all.
 pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option<TopBuf> {
     let left = memory.left().unwrap_or(u64::MAX);
     let fits = |&bits: &u8| 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64 <= left;
@@ -438,8 +438,8 @@ pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option
     (0..=bits).rev().step_by(step).filter(fits).find_map(|bits| TopBuf::new(geometry, bits).ok())
 }
 
-/// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where there
-/// is no room or no use for that, one by one over what it is. Derived data takes what the [`Memory`] leaves.
+/// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where
+/// there is no room or no use for that, one by one over what it is. Derived data takes what the [`Memory`] leaves.
 macro_rules! with_tracer {
     ($geometry:expr, $memory:expr, $tracer:ident => $body:expr) => {{
         let (geometry, memory) = ($geometry, $memory);

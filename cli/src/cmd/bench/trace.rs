@@ -110,8 +110,8 @@ struct WideTree {
 struct Preview {
     #[serde(flatten)]
     rate: Rate,
-    /// Share of the rays that meet another voxel than by exact arithmetic, or none where that does, or one where it does
-    /// not.
+    /// Share of the rays that meet another voxel than by exact arithmetic, or none where that does, or one where that
+    /// does not.
     differing_fraction: f64,
 }
 
