@@ -419,15 +419,15 @@ pub fn tracer<'a, G: Geometry>(geometry: G, top: impl Into<Option<&'a TopBuf>>) 
     top.into().and_then(|top| Tracer::with_top(geometry, top.as_top())).unwrap_or(Tracer::new(geometry))
 }
 
-/// The tree that makes many rays at once faster, within what the memory limit leaves; `None` if there is no room for it.
+/// The tree that makes many rays at once faster, within what the memory limit leaves; `None` if there is no room.
 pub fn wide(geometry: &impl Geometry, memory: &Memory) -> Option<WideBuf> {
     // While it is made, it takes up to twice as much.
     let limit = memory.left().map_or(usize::MAX, |left| usize::try_from(left / 2).unwrap_or(usize::MAX));
     WideBuf::new(geometry, limit).ok()
 }
 
-/// The largest top grid, of at most `2^bits` cells along an axis, that the memory limit leaves room for; that of a wide tree
-/// is one for many rays at once. `None` if there is no room at all.
+/// The largest top grid, of at most `2^bits` cells along an axis, that the memory limit leaves room for; that of a wide
+/// tree is one for many rays at once. `None` if there is no room at all.
 pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option<TopBuf> {
     let left = memory.left().unwrap_or(u64::MAX);
     let fits = |&bits: &u8| 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64 <= left;
@@ -438,8 +438,8 @@ pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option
     (0..=bits).rev().step_by(step).filter(fits).find_map(|bits| TopBuf::new(geometry, bits).ok())
 }
 
-/// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where there
-/// is no room or no use for that, one by one over what it is. Derived data takes what the [`Memory`] leaves.
+/// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where
+/// there is no room or no use for that, one by one over what it is. Derived data takes what the [`Memory`] leaves.
 macro_rules! with_tracer {
     ($geometry:expr, $memory:expr, $tracer:ident => $body:expr) => {{
         let (geometry, memory) = ($geometry, $memory);
@@ -542,4 +542,39 @@ fn write_words(words: &[u32], mut file: impl Write) -> std::io::Result<()> {
         file.write_all(&piece)?;
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use voxdag::Morton;
+    use voxdag::build::DagBuilder;
+    use voxdag::simd::Level;
+
+    #[test]
+    fn what_makes_rays_faster_stays_within_the_limit() {
+        // Bricks on the diagonal of a cube of 2^9 voxels a side.
+        let mut builder = DagBuilder::new(9).unwrap();
+        (0..128).for_each(|k| builder.push(Morton::encode([4 * k; 3]).unwrap(), 1).unwrap());
+        let dag = builder.finish().unwrap();
+        let dag = dag.dag();
+
+        let tree = wide(&dag, &Memory::new(None)).unwrap();
+        let bytes = tree.as_wide().bytes() as u64;
+        assert!(wide(&dag, &Memory::new(Some(2 * bytes))).is_some());
+        assert!(wide(&dag, &Memory::new(Some(2 * bytes + 99)).with(100)).is_none());
+
+        // Smaller grids where there is less room; those of a wide tree all serve many rays at once.
+        for bits in 0..=TOP_BITS {
+            let left = 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64;
+            let memory = Memory::new(Some(left));
+            assert!(top_within(&dag, TOP_BITS, &memory).is_some());
+            assert!(top_within(&dag, TOP_BITS, &memory.with(left)).is_none());
+            // At depth 9 the cells of a grid of one are of odd level.
+            let top = top_within(&tree.as_wide(), TOP_BITS, &memory);
+            assert_eq!(top.is_some(), bits >= 1);
+            let many = tracer(tree.as_wide(), top.as_ref()).with_level(Level::best());
+            assert_eq!(many.level().is_some(), bits >= 1 && Level::best().is_some());
+        }
+    }
 }

@@ -2,8 +2,8 @@
  *
  * In: an OBJ, a camera, the size of a picture. Out: one line of JSON: rtcIntersect1 on one ray through the centre of
  * every pixel, rtcOccluded1 from its hits to centre + 3 R (0.3, 1, 0.4)/|.| of the mesh's box, and rtcIntersect1 from
- * the hits in random directions, all of the sphere alike. Rays lie ready in memory as RTCRayHit and RTCRay, in the order
- * of the pixels; only the calls are timed, by the thread's CPU time; medians of repetitions.
+ * the hits in random directions, all of the sphere alike. Rays lie ready in memory as RTCRayHit and RTCRay, in the
+ * order of the pixels; only the calls are timed, by the thread's CPU time; medians of repetitions.
  *
  *   compare MESH.obj WxH REPEAT FOV EYE TARGET      EYE and TARGET are x,y,z, or - for voxdag's default view
  */
@@ -177,7 +177,8 @@ int main(int argc, char **argv) {
     if (!device) fail("Embree does not start");
     RTCScene scene = build(device);
     size_t count = (size_t)width * height, hits = 0, blocked = 0, random_hits = 0;
-    struct RTCRayHit *rays = aligned_alloc(16, count * sizeof *rays), *random = aligned_alloc(16, count * sizeof *random);
+    struct RTCRayHit *rays = aligned_alloc(16, count * sizeof *rays);
+    struct RTCRayHit *random = aligned_alloc(16, count * sizeof *random);
     struct RTCRay *shadow = aligned_alloc(16, count * sizeof *shadow);
     double *primary_times = calloc(repeat, sizeof(double)), *shadow_times = calloc(repeat, sizeof(double));
     double *random_times = calloc(repeat, sizeof(double));

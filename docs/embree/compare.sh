@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# voxdag against Embree's rtcIntersect1 and rtcOccluded1 on the source triangles: same rays, same run, one thread. Rays in
-# random directions have the same starts, and directions of the same distribution.
+# voxdag against Embree's rtcIntersect1 and rtcOccluded1 on the source triangles: same rays, same run, one thread. Rays
+# in random directions have the same starts, and directions of the same distribution.
 #
 #   docs/embree/compare.sh SCENES [ROUNDS] [FLAGS OF voxdag bench trace, such as --level avx2]
 #

@@ -203,8 +203,8 @@ pub struct MachineArgs {
     ///
     /// Counted are, as far as they are held together: the files that are read; about what parsing a mesh takes; the
     /// mesh; what building takes (sorted triangles, owners of voxels, DAG, other layouts, materials); the scene; and
-    /// the picture (8 bytes a pixel). What only makes rays faster takes of the rest what it can use. The program itself
-    /// is not counted: a few MiB.
+    /// the picture (8 bytes a pixel). What only makes rays faster takes of the rest what it can use. The program
+    /// itself is not counted: a few MiB.
     #[arg(long, value_name = "SIZE", verbatim_doc_comment, value_parser = memory_size, allow_hyphen_values = true)]
     pub memory_limit: Option<u64>,
 }

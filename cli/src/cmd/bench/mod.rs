@@ -44,7 +44,7 @@ pub struct Args {
 
 #[derive(Subcommand)]
 enum Subject {
-    /// Rays per second: from the camera, from hits to a light, from hits to everywhere; many at once and one by one
+    /// Rays per second: from the camera, from hits to a light, from hits to everywhere; many at once, one by one
     Trace(trace::Args),
     /// Time per normal, by kind
     Normals(Run),

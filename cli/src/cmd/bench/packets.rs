@@ -1,7 +1,7 @@
 //! Many rays at once, as a program traces them: a picture tile by tile, other rays batch by batch.
 //!
-//! In: a tracer, and a picture's camera or rays that lie ready in memory. Out: arms to be measured. The rays of a tile are
-//! made while the clock runs, and the few hits of a batch are read before the next ones take their place.
+//! In: a tracer, and a picture's camera or rays that lie ready in memory. Out: arms to be measured. The rays of a tile
+//! are made while the clock runs, and the few hits of a batch are read before the next ones take their place.
 
 use std::ops::Range;
 

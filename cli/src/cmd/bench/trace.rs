@@ -20,7 +20,7 @@ pub struct Args {
     #[command(flatten)]
     pub run: Run,
 
-    /// Vector instructions by which many rays are traced at once, of those that this machine has [default: the widest]
+    /// Vector instructions by which many rays are traced at once; this machine has those below [default: the widest]
     #[arg(long, value_name = "SET", value_parser = PossibleValuesParser::new(levels()), help_heading = "Machine")]
     level: Option<String>,
 }
@@ -110,8 +110,8 @@ struct WideTree {
 struct Preview {
     #[serde(flatten)]
     rate: Rate,
-    /// Share of the rays that meet another voxel than by exact arithmetic, or none where that does, or one where it does
-    /// not.
+    /// Share of the rays that meet another voxel than by exact arithmetic, or none where that does, or one where that
+    /// does not.
     differing_fraction: f64,
 }
 
@@ -154,9 +154,9 @@ impl Rate {
     }
 }
 
-/// What a hit adds to the checksum: where and when.
+/// What a hit adds to the checksum: where and when. The time 0 has one sign here; a tracer may give either.
 fn fold(hit: Option<Hit>) -> u64 {
-    hit.map_or(1, |hit| hit.voxel.0 ^ hit.t.to_bits())
+    hit.map_or(1, |hit| hit.voxel.0 ^ (hit.t + 0.0).to_bits())
 }
 
 /// What it adds to the number of hits.
