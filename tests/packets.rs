@@ -89,6 +89,8 @@ fn check<G: Geometry>(tracer: &Tracer<'_, G>, queries: &[Query], what: &str) -> 
         packets.occluded_many(Arithmetic::Exact, queries, &mut blocked);
         for (i, query) in queries.iter().enumerate() {
             assert_eq!(hits[i], one_by_one[i], "{what}, {}, ray {i}: {query:?}", level.name());
+            let bits = |hit: Option<Hit>| hit.map(|hit| hit.t.to_bits());
+            assert_eq!(bits(hits[i]), bits(one_by_one[i]), "{what}, {}, ray {i}: {query:?}", level.name());
             assert_eq!(blocked[i], one_by_one[i].is_some(), "{what}, {}, ray {i}: {query:?}", level.name());
         }
         // By f32 alone they end, and find mostly the same.

@@ -171,6 +171,12 @@ fn enter_close<const EXACT: bool>(ray: &Ray, query: &Query, size: i32) -> Option
 /// The face through which a step in negative or positive direction enters, per axis.
 pub(super) const FACES: [[Face; 2]; 3] = [[Face::PosX, Face::NegX], [Face::PosY, Face::NegY], [Face::PosZ, Face::NegZ]];
 
+/// The later of two times; of both zeros the one that was asked for, where `f64::max` may give either.
+#[inline(always)]
+fn later(t: f64, t_min: f64) -> f64 {
+    if t > t_min { t } else { t_min }
+}
+
 /// The hit at voxel `p`: entry face, time and the voxel before.
 #[inline]
 pub(super) fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size: i32, query: &Query) -> Hit {
@@ -187,7 +193,7 @@ pub(super) fn arrive<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size:
         let before = if positive { p[i] - 1 } else { p[i] + 1 };
         let entry = if positive { p[i] == low[i] } else { p[i] == low[i] + side - 1 };
         let face = if entry { FACES[i][usize::from(positive)] } else { Face::Inside };
-        let t = ray.time(&ray.crossing(i, p[i] + (1 & !ray.up[i]))).max(query.t_min);
+        let t = later(ray.time(&ray.crossing(i, p[i] + (1 & !ray.up[i]))), query.t_min);
         let inside = before >= 0 && before < size;
         let from = inside.then(|| code(axes(|k| if k == i { before } else { p[k] })));
         return Hit { voxel: code(low), from, t, level, face };
@@ -230,5 +236,5 @@ fn arrive_close<const EXACT: bool>(ray: &Ray, p: [i32; 3], level: u8, size: i32,
         }
     }
     let inside = from.iter().all(|x| *x >= 0 && *x < size);
-    Hit { voxel: code(low), from: inside.then(|| code(from)), t: ray.time(&last).max(query.t_min), level, face }
+    Hit { voxel: code(low), from: inside.then(|| code(from)), t: later(ray.time(&last), query.t_min), level, face }
 }

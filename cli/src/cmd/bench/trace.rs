@@ -154,9 +154,9 @@ impl Rate {
     }
 }
 
-/// What a hit adds to the checksum: where and when. The time 0 has one sign here; a tracer may give either.
+/// What a hit adds to the checksum: where and when.
 fn fold(hit: Option<Hit>) -> u64 {
-    hit.map_or(1, |hit| hit.voxel.0 ^ (hit.t + 0.0).to_bits())
+    hit.map_or(1, |hit| hit.voxel.0 ^ hit.t.to_bits())
 }
 
 /// What it adds to the number of hits.

@@ -107,8 +107,8 @@ fn vector<S: Simd>(simd: S, rays: &Rays, ends: &Ends, size: i32, from: usize, fo
     let clear = inside | outside;
 
     // Its time, to within one unit in the last place.
-    let time = quotient::<S>(pick::<S>(close, planes), pick::<S>(close, o), pick::<S>(close, d)).max(t_min);
-    let time = inside.select(t_min, time);
+    let time = quotient::<S>(pick::<S>(close, planes), pick::<S>(close, o), pick::<S>(close, d));
+    let time = (time.simd_gt(t_min) & !inside).select(time, t_min);
 
     // The voxel's code, and that of the one before.
     let mut code = S::u64s::splat(simd, 0);
