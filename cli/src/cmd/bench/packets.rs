@@ -41,14 +41,19 @@ impl Tiles {
         self.size.map(|pixels| pixels.div_ceil(EDGE) as usize).iter().product()
     }
 
-    /// The pixels' centres of a tile, less of them at the right and at the bottom of the picture.
-    fn places(&self, tile: usize) -> impl Iterator<Item = [f64; 2]> {
+    /// Writes down the pixels' centres of a tile, less of them at the right and at the bottom of the picture, from place
+    /// `count` on; returns where they end.
+    fn places(&self, tile: usize, places: &mut [[f64; 2]; BATCH], mut count: usize) -> usize {
         let [width, height] = self.size;
         let columns = width.div_ceil(EDGE);
         let (left, top) = (EDGE * (tile as u32 % columns), EDGE * (tile as u32 / columns));
-        let pixels =
-            (top..height.min(top + EDGE)).flat_map(move |y| (left..width.min(left + EDGE)).map(move |x| [x, y]));
-        pixels.map(|pixel| pixel.map(|k| f64::from(k) + 0.5))
+        for y in top..height.min(top + EDGE) {
+            for x in left..width.min(left + EDGE) {
+                places[count] = [x, y].map(|k| f64::from(k) + 0.5);
+                count += 1;
+            }
+        }
+        count
     }
 
     /// Traces some tiles; `each` gets the rays of a batch and what they hit.
@@ -62,9 +67,8 @@ impl Tiles {
         let (mut places, mut hits) = ([[0.0; 2]; BATCH], [None; BATCH]);
         for first in tiles.clone().step_by(BATCH / TILE) {
             let mut count = 0;
-            for place in (first..tiles.end.min(first + BATCH / TILE)).flat_map(|tile| self.places(tile)) {
-                places[count] = place;
-                count += 1;
+            for tile in first..tiles.end.min(first + BATCH / TILE) {
+                count = self.places(tile, &mut places, count);
             }
             let rays = self.rays.tile(self.eye, &places[..count]);
             tracer.trace_tile(arithmetic, &rays, &mut hits[..count]);

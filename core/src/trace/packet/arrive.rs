@@ -79,7 +79,7 @@ fn vector<S: Simd>(simd: S, rays: &Rays, ends: &Ends, size: i32, from: usize, fo
     let load = |column: &[f64; CHUNK]| S::f64s::from_slice(simd, &column[from..from + width]);
     let splat = |x: f64| S::f64s::splat(simd, x);
     let (zero, one) = (splat(0.0), splat(1.0));
-    let p = axes(|i| S::f64s::from_fn(simd, |k| f64::from(ends.voxel(from + k)[i])));
+    let p = axes(|i| load(&ends.voxels[i]));
     let o = axes(|i| load(&rays.origin[i]));
     let d = axes(|i| load(&rays.dir[i]));
     let t_min = load(&rays.t_min);

@@ -13,6 +13,7 @@ use fearless_simd::{Simd, prelude::*};
 use super::enter::Walks;
 use super::{CHUNK, LANES};
 use crate::simd::Level;
+use crate::trace::ray::axes;
 
 /// How the walk of a ray ended.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -31,15 +32,16 @@ pub(super) enum End {
 /// Where rays ended, by number.
 pub(super) struct Ends {
     pub how: [End; CHUNK],
-    voxels: [[i32; 3]; CHUNK],
+    /// As columns, whole numbers.
+    pub voxels: [[f64; CHUNK]; 3],
 }
 
 impl Ends {
-    pub(super) const ZERO: Ends = Ends { how: [End::Miss; CHUNK], voxels: [[0; 3]; CHUNK] };
+    pub(super) const ZERO: Ends = Ends { how: [End::Miss; CHUNK], voxels: [[0.0; CHUNK]; 3] };
 
     #[inline(always)]
     pub(super) fn voxel(&self, number: usize) -> [i32; 3] {
-        self.voxels[number]
+        axes(|i| self.voxels[i][number] as i32)
     }
 }
 
@@ -154,13 +156,13 @@ impl<S: Simd> Packet<S> {
         }
     }
 
-    /// Fills the idle lanes with the next rays if at least half of all are idle.
+    /// Fills the idle lanes with the next rays if at least a quarter of all are idle.
     #[inline(always)]
     fn refill(&mut self, simd: S, tables: &Tables<'_>, walks: &Walks, next: &mut usize) {
         let width = S::i32s::LEN;
         let left = walks.len.saturating_sub(*next);
         let mut lanes = !self.live & (u64::MAX >> (64 - width));
-        if left == 0 || lanes.count_ones() < width as u32 / 2 {
+        if left == 0 || lanes.count_ones() < width as u32 / 4 {
             return;
         }
         for _ in left..lanes.count_ones() as usize {
@@ -316,7 +318,9 @@ impl<S: Simd> Packet<S> {
                 (0, _) => End::Unclear,
                 _ => End::Hit,
             };
-            ends.voxels[number] = [0, 1, 2].map(|i: usize| self.voxel[i].as_slice()[lane]);
+            for i in 0..3 {
+                ends.voxels[i][number] = f64::from(self.voxel[i].as_slice()[lane]);
+            }
         }
     }
 }
