@@ -9,6 +9,20 @@
 pub struct Level(fearless_simd::Level);
 
 impl Level {
+    /// Whether any set can be told on this target: where none can, the kernels are not even linked.
+    const POSSIBLE: bool = cfg!(any(
+        target_arch = "x86",
+        target_arch = "x86_64",
+        target_arch = "aarch64",
+        all(target_arch = "wasm32", target_feature = "simd128")
+    ));
+
+    /// The level that was asked for, where the target can have one at all.
+    #[inline(always)]
+    pub(crate) fn possible(level: Option<Level>) -> Option<Level> {
+        if Level::POSSIBLE { level } else { None }
+    }
+
     /// The widest set: with feature `std` what the machine has, else what the program is compiled for. `None` if there is
     /// none that pays: on microcontrollers, and with SSE2 alone, which must imitate too much.
     pub fn best() -> Option<Level> {

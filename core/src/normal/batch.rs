@@ -29,7 +29,7 @@ pub fn normals<G: Geometry, M: Materials>(
     out: &mut [Normal],
 ) {
     let mut windows = Kept::new(tracer);
-    match (kind, level) {
+    match (kind, Level::possible(level)) {
         (NormalKind::Plane1, Some(level)) => planes::<1>(level, &mut windows, hits, dirs, out),
         (NormalKind::Plane2, Some(level)) => planes::<2>(level, &mut windows, hits, dirs, out),
         (NormalKind::Plane3, Some(level)) => planes::<3>(level, &mut windows, hits, dirs, out),

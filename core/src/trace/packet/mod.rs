@@ -54,7 +54,7 @@ pub(super) trait Source {
 impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
     /// `None` where rays are traced one by one: without vectors, wide tree or top grid, or by f64 alone.
     pub(super) fn of(tracer: &'a Tracer<'g, G>, arithmetic: Arithmetic) -> Option<Self> {
-        let (top, level) = (tracer.top.as_ref()?, tracer.level?);
+        let (top, level) = (tracer.top.as_ref()?, Level::possible(tracer.level)?);
         let words = tracer.geometry.wide_words().filter(|words| !words.is_empty())?;
         let tables = Tables {
             top: top.words(),
