@@ -113,7 +113,7 @@ fn streams_answer_as_rays_one_by_one() {
         let wide = WideBuf::new(&dag, usize::MAX).unwrap();
         let queries = rays(depth, set.codes(), &mut rng);
         for bits in 0..=Top::most_bits(&dag).min(6) {
-            if (depth - bits) % 2 != 0 {
+            if !(depth - bits).is_multiple_of(2) {
                 continue;
             }
             let what = format!("seed {seed}, depth {depth}, {bits} bits");

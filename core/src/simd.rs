@@ -9,10 +9,9 @@
 pub struct Level(fearless_simd::Level);
 
 impl Level {
-    /// Whether any set can be told on this target: where none can, the kernels are not even linked.
+    /// Whether there can be any on this target: where there cannot, the kernels are not even linked.
     const POSSIBLE: bool = cfg!(any(
-        target_arch = "x86",
-        target_arch = "x86_64",
+        all(any(target_arch = "x86", target_arch = "x86_64"), target_feature = "sse2"),
         target_arch = "aarch64",
         all(target_arch = "wasm32", target_feature = "simd128")
     ));
@@ -73,3 +72,17 @@ impl Level {
         self.0
     }
 }
+
+/// Runs an expression of type `()` with the token of a level's instructions, compiled for each that the target can have.
+macro_rules! dispatch {
+    ($level:expr, $simd:ident => $kernel:expr) => {{
+        #[cfg(any(not(any(target_arch = "x86", target_arch = "x86_64")), target_feature = "sse2"))]
+        fearless_simd::dispatch!($level.token(), $simd => $kernel);
+        // Targets without vector registers: dispatch would compile what LLVM cannot.
+        #[cfg(not(any(not(any(target_arch = "x86", target_arch = "x86_64")), target_feature = "sse2")))]
+        if let fearless_simd::Level::Fallback($simd) = $level.token() {
+            $kernel
+        }
+    }};
+}
+pub(crate) use dispatch;

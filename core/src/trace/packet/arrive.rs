@@ -10,7 +10,7 @@ use super::CHUNK;
 use super::enter::Rays;
 use super::walk::{End, Ends};
 use crate::morton::Morton;
-use crate::simd::Level;
+use crate::simd::{Level, dispatch};
 use crate::trace::exact::{HUGE, TINY};
 use crate::trace::ray::axes;
 use crate::trace::walk::FACES;
@@ -60,7 +60,7 @@ impl Found {
 
 /// Works out the hits in a cube of `size` voxels.
 pub(super) fn arrive(level: Level, rays: &Rays, ends: &Ends, size: i32, found: &mut Found) {
-    fearless_simd::dispatch!(level.token(), simd => in_lanes(simd, rays, ends, size, found));
+    dispatch!(level, simd => in_lanes(simd, rays, ends, size, found));
 }
 
 #[inline(always)]

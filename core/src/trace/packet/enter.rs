@@ -9,7 +9,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::walk::{End, Ends};
 use super::{CHUNK, LANES};
-use crate::simd::Level;
+use crate::simd::{Level, dispatch};
 use crate::trace::exact::{HUGE, TINY};
 use crate::trace::ray::{UNIT, axes};
 
@@ -94,7 +94,7 @@ struct Entered<S: Simd> {
 
 /// Lines up the rays that enter a cube of `size` voxels; tells of the others how they end.
 pub(super) fn enter(level: Level, rays: &mut Rays, size: i32, ends: &mut Ends, walks: &mut Walks) {
-    fearless_simd::dispatch!(level.token(), simd => match rays.started {
+    dispatch!(level, simd => match rays.started {
         true => in_lanes::<_, true>(simd, rays, size, ends, walks),
         false => in_lanes::<_, false>(simd, rays, size, ends, walks),
     });

@@ -12,7 +12,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::enter::Walks;
 use super::{CHUNK, LANES};
-use crate::simd::Level;
+use crate::simd::{Level, dispatch};
 use crate::trace::ray::axes;
 
 /// How the walk of a ray ended.
@@ -86,7 +86,7 @@ struct Packet<S: Simd> {
 
 /// Walks all rays. If `exact`, what f32 cannot tell ends as [`End::Unclear`]; if `bounded`, rays have ends.
 pub(super) fn walk(level: Level, tables: &Tables<'_>, exact: bool, bounded: bool, walks: &Walks, ends: &mut Ends) {
-    fearless_simd::dispatch!(level.token(), simd => match (exact, bounded) {
+    dispatch!(level, simd => match (exact, bounded) {
         (true, true) => in_lanes::<_, true, true>(simd, tables, walks, ends),
         (true, false) => in_lanes::<_, true, false>(simd, tables, walks, ends),
         (false, true) => in_lanes::<_, false, true>(simd, tables, walks, ends),
