@@ -5,11 +5,11 @@
 //! there is f64 here, and exact as well: up to 2^39 but for the determinant, whose terms reach 2^58. It is added in two
 //! parts, each exact, and so rounded once, as a conversion from i64 does.
 
-use fearless_simd::{Simd, dispatch, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 
 use super::plane::PLANAR;
 use super::window::Sums;
-use crate::simd::Level;
+use crate::simd::{Level, dispatch};
 
 /// Hits in a block: a multiple of every vector's length.
 pub(super) const BLOCK: usize = 32;
@@ -55,7 +55,7 @@ impl Block {
 
     /// Fits the planes at the first `count` hits, around which the windows have this radius.
     pub(super) fn fit(&mut self, level: Level, count: usize, radius: usize) {
-        dispatch!(level.token(), simd => {
+        dispatch!(level, simd => {
             for start in (0..count).step_by(lanes(simd)) {
                 fit(simd, self, start, radius as f64);
             }
