@@ -10,9 +10,11 @@ use voxdag::ranked::{Moxels, MoxelsBuf, Packed, PackedBuf, Palettes, PalettesBuf
 use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::shade::Light;
+use voxdag::simd::Level;
 use voxdag::ssvdag::SsvdagBuf;
 use voxdag::table::Entry;
 use voxdag::trace::{Arithmetic, Query, TopBuf, Tracer};
+use voxdag::wide::WideBuf;
 use voxdag::{Dag, Geometry, Grid, Material, Materials, Mesh, Morton, Ssvdag};
 use voxdag_oracle::scenes::{self, Implicit};
 
@@ -72,7 +74,10 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
     };
     let words = parts.to_vec().unwrap();
     let top = TopBuf::new(&built.dag.dag(), 3).unwrap();
+    let wide = WideBuf::new(&built.dag.dag(), usize::MAX).unwrap();
+    let wide_top = TopBuf::new(&wide.as_wide(), 3).unwrap();
     let mut pixels = vec![0; 64 * 48];
+    let mut expected = pixels.clone();
     let mut hits = 0;
 
     assert_no_alloc(|| {
@@ -88,7 +93,17 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
                     let samples = if supersample == near { Samples::Five } else { Samples::Sixteen };
                     let size = Settings { width: 64, height: 48, ..Settings::default() };
                     let settings = Settings { samples, supersample, normals, ..size };
-                    hits += render_rows(&view, &settings, 0..48, &mut pixels).unwrap().hits;
+                    hits += render_rows(&view, &settings, 0..48, &mut expected).unwrap().hits;
+                    // Many rays at once draw the same.
+                    let packets = Tracer::with_top(wide.as_wide(), wide_top.as_top()).unwrap();
+                    for level in Level::all() {
+                        let View { materials, palette, grid, camera, lights, .. } = view;
+                        let tracer = packets.with_level(Some(level));
+                        assert!(tracer.level().is_some());
+                        let view = View { tracer, materials, palette, grid, camera, lights };
+                        render_rows(&view, &settings, 0..48, &mut pixels).unwrap();
+                        assert!(pixels == expected, "other pixels at {}", level.name());
+                    }
                 }
             }
             let eye = grid.to_grid(camera.eye);

@@ -80,6 +80,7 @@ fn leaving(queries: &[Query], hits: &[Option<Hit>], rng: &mut Rng) -> Vec<Query>
 /// Packets of all levels answer these rays as the tracer does that takes them one by one.
 fn check<G: Geometry>(tracer: &Tracer<'_, G>, queries: &[Query], what: &str) -> Vec<Option<Hit>> {
     let one_by_one: Vec<_> = queries.iter().map(|query| tracer.trace(Arithmetic::Exact, query)).collect();
+    let mut by_f32 = None;
     for level in Level::all() {
         let packets = tracer.with_level(Some(level));
         assert_eq!(packets.level().map(Level::name), Some(level.name()), "{what}: no packets");
@@ -93,8 +94,9 @@ fn check<G: Geometry>(tracer: &Tracer<'_, G>, queries: &[Query], what: &str) -> 
             assert_eq!(bits(hits[i]), bits(one_by_one[i]), "{what}, {}, ray {i}: {query:?}", level.name());
             assert_eq!(blocked[i], one_by_one[i].is_some(), "{what}, {}, ray {i}: {query:?}", level.name());
         }
-        // By f32 alone they end, and find mostly the same.
+        // By f32 alone they end, find mostly the same, and at every level alike.
         packets.trace_many(Arithmetic::F32, queries, &mut hits);
+        assert_eq!(*by_f32.get_or_insert_with(|| hits.clone()), hits, "{what}, {}", level.name());
         let wrong = hits.iter().zip(&one_by_one).filter(|(a, b)| a != b).count();
         assert!(wrong * 5 <= queries.len(), "{what}, {}: {wrong} of {} wrong", level.name(), queries.len());
     }

@@ -13,7 +13,7 @@
 //! | --- | --- |
 //! | none | load, check, trace, normals, materials, shade and render over borrowed slices |
 //! | `alloc` (default) | voxelisation and builders whose memory grows |
-//! | `std` | square roots by the hardware, the same bits; checksums by it, too |
+//! | `std` | square roots by the hardware, the same bits; checksums by it, too; vectors by what the machine has ([`simd`]) |
 //! | `obj` | readers of OBJ and MTL files, free of I/O |
 #![no_std]
 #![forbid(unsafe_code)]
