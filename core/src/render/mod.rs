@@ -118,7 +118,8 @@ impl core::ops::AddAssign for Counters {
 
 /// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
 ///
-/// Fastest for a multiple of 4 rows. Takes about 80 KiB of stack, most of it for 256 samples on their way, and no heap.
+/// Fastest for a multiple of 4 rows. Takes about 80 KiB of stack, most of it for 256 samples on their way (some 150 KiB where
+/// the tracer takes many rays at once), and no heap.
 pub fn render_rows<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,

@@ -16,7 +16,7 @@ pub struct WideBuf {
 
 impl WideBuf {
     /// The wide tree of a geometry; `Err` with a number of bytes that it needs at least, if they are more than `limit`,
-    /// cannot be had, or are beyond 2^33. While it is made, it takes up to twice as much.
+    /// cannot be had, or are beyond 2^33. While it is made, it takes up to twice as much, and beside that a list of nodes.
     pub fn new<G: Geometry>(geometry: &G, limit: usize) -> Result<WideBuf, usize> {
         let depth = geometry.depth();
         let mut tree = WideBuf { words: Vec::new(), depth, starts: [0; 13] };
@@ -29,16 +29,16 @@ impl WideBuf {
         nodes.push(geometry.root());
         for level in (BRICK_LEVEL + 2..=depth.max(BRICK_LEVEL).next_multiple_of(2)).rev().step_by(2) {
             // Find the nodes two levels below.
-            let mut below: Vec<u32> = Vec::new();
+            let (mut below, mut known) = (Vec::<u32>::new(), 1 << 16);
             for &node in &nodes {
-                let known = below.len();
-                let needed = tree.bytes() + size_of::<u32>() * (known + 64);
+                let needed = tree.bytes() + size_of::<u32>() * (below.len() + 64);
                 below.try_reserve(64).map_err(|_| needed)?;
                 each_cell(geometry, node, level, |_, child| below.extend(child));
                 // Neighbours often share what is below; keep the list short.
-                if below.len() >= 2 * known.max(1 << 16) {
+                if below.len() >= 2 * known {
                     below.sort_unstable();
                     below.dedup();
+                    known = below.len().max(1 << 16);
                 }
             }
             below.sort_unstable();
@@ -51,7 +51,7 @@ impl WideBuf {
             if needed > limit || first + words * below.len() > EMPTY_CELL as usize {
                 return Err(needed);
             }
-            tree.words.try_reserve(NODE_WORDS * nodes.len()).map_err(|_| needed)?;
+            tree.words.try_reserve_exact(NODE_WORDS * nodes.len()).map_err(|_| needed)?;
             for &node in &nodes {
                 let mut cells = [EMPTY_CELL | EMPTY_OCTANT; 64];
                 each_cell(geometry, node, level, |cell, child| {
@@ -75,7 +75,10 @@ impl WideBuf {
         }
         let needed = tree.bytes() + size_of::<u32>() * (BRICK_WORDS + 2) * nodes.len();
         let words = (BRICK_WORDS + 2) * nodes.len();
-        if needed > limit || tree.words.len() + words > EMPTY_CELL as usize || tree.words.try_reserve(words).is_err() {
+        if needed > limit
+            || tree.words.len() + words > EMPTY_CELL as usize
+            || tree.words.try_reserve_exact(words).is_err()
+        {
             return Err(needed);
         }
         for &brick in &nodes {

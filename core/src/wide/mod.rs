@@ -88,6 +88,7 @@ impl Geometry for Wide<'_> {
         0
     }
 
+    /// Also of what would be a node if its octant were not empty: asking for that is as safe.
     fn is_node(&self, node: u32, level: u8) -> bool {
         if level > self.depth.max(BRICK_LEVEL) || level < BRICK_LEVEL {
             return false;

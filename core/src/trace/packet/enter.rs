@@ -157,7 +157,7 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     if (still[0] | still[1] | still[2]).any_true() {
         for i in 0..3 {
             let cell = if STARTED { started.select(start[i], o[i].floor()) } else { o[i].floor() };
-            valid &= !still[i] | cell.simd_ge(0.0) & cell.simd_lt(size);
+            valid &= !still[i] | cell.simd_ge(0.0) & cell.simd_lt(size) & o[i].abs().simd_lt(infinity);
             o[i] = still[i].select(cell + 0.5, o[i]);
             o[i].store_slice(&mut rays.origin[i][from..from + width]);
         }
@@ -236,7 +236,8 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     let go = clear & valid & steepest.simd_le(1e10);
     let error = error + f64::from_bits((1023 - 26) << 52);
     let bound = error * (steepest + 1.0) * 1.1 + f64::from_bits((1023 - 23) << 52);
-    let most = (t_max - now) * stretch;
+    // No ray of the cube takes longer than this.
+    let most = ((t_max - now) * stretch).max(splat(-1e30)).min(splat(1e30));
     let margin = most.abs() * (8.0 / 16_777_216.0) + bound;
     let endless = t_max.simd_eq(f64::INFINITY);
     for i in 0..3 {

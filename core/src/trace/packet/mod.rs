@@ -147,7 +147,8 @@ impl Source for &[Query] {
                 rays.origin[i][k] = query.origin[i];
                 rays.dir[i][k] = query.dir[i];
             }
-            rays.t_min[k] = if query.min_level == 0 { query.t_min } else { ELSEWHERE };
+            let usual = query.min_level == 0 && query.start.is_none_or(|start| start.0 >> 63 == 0);
+            rays.t_min[k] = if usual { query.t_min } else { ELSEWHERE };
             rays.t_max[k] = query.t_max;
             rays.started |= query.start.is_some();
             rays.bounded |= query.t_max != f64::INFINITY;

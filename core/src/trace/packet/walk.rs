@@ -126,8 +126,8 @@ fn in_lanes<S: Simd, const EXACT: bool, const BOUNDED: bool>(
     }
 }
 
-/// The words at so many places. An index out of range cannot be: the tables were made from one geometry, and all voxels,
-/// also those of lanes without a ray, lie in its cube.
+/// The words at so many places. None is out of range: voxels, also those of lanes without a ray, lie in the cube, the tree's
+/// words name its own nodes, and a grid's words were checked to be nodes of the tree when the tracer was made.
 #[inline(always)]
 fn gather<S: Simd>(simd: S, words: &[u32], at: S::i32s) -> S::i32s {
     let at = at.as_slice();
