@@ -12,17 +12,6 @@ use voxdag_oracle::octree::VoxelSet;
 use voxdag_oracle::rng::Rng;
 use voxdag_oracle::scenes::Implicit;
 
-const KINDS: [NormalKind; 8] = [
-    NormalKind::Face,
-    NormalKind::Stored,
-    NormalKind::Gradient,
-    NormalKind::Plane1,
-    NormalKind::Plane2,
-    NormalKind::Plane3,
-    NormalKind::Ernerfeldt1,
-    NormalKind::Ernerfeldt2,
-];
-const FACES: [Face; 7] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ, Face::Inside];
 const NONE: Normal = Normal { direction: [9.0; 3], confidence: Confidence::Face };
 
 /// Stored normals at every third voxel, some of them none to speak of.
@@ -47,7 +36,7 @@ fn hit(random: &mut Rng, voxel: [u32; 3]) -> (Hit, [f64; 3]) {
     if random.below(4) == 0 {
         dir[random.below(3) as usize] = 0.0;
     }
-    (Hit { voxel, from: None, t: 0.0, level: 0, face: random.pick(&FACES) }, dir)
+    (Hit { voxel, from: None, t: 0.0, level: 0, face: random.pick(&Face::ALL) }, dir)
 }
 
 fn bits(n: &Normal) -> ([u32; 3], String) {
@@ -65,7 +54,7 @@ fn check(words: &[u32], hits: &[(Hit, [f64; 3])], context: &str) -> HashSet<std:
     let top = TopBuf::new(&dag, 3).unwrap();
     let mut ways = HashSet::new();
     for tracer in [Tracer::new(dag), Tracer::with_top(dag, top.as_top()).unwrap()] {
-        for kind in KINDS {
+        for kind in NormalKind::ALL {
             let alone: Vec<_> = hits.iter().zip(&dirs).map(|(hit, d)| normal(&tracer, Some3, hit, *d, kind)).collect();
             ways.extend(alone.iter().map(|n| discriminant(&n.confidence)));
             for level in levels() {

@@ -99,7 +99,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
                     for level in Level::all() {
                         let View { materials, palette, grid, camera, lights, .. } = view;
                         let tracer = packets.with_level(Some(level));
-                        assert!(tracer.level().is_some());
+                        assert!(tracer.packet_level().is_some());
                         let view = View { tracer, materials, palette, grid, camera, lights };
                         render_rows(&view, &settings, 0..48, &mut pixels).unwrap();
                         assert!(pixels == expected, "other pixels at {}", level.name());

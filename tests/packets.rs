@@ -95,7 +95,7 @@ fn check<G: Geometry>(tracer: &Tracer<'_, G>, queries: &[Query], what: &str) -> 
     let mut by_f32 = None;
     for level in Level::all() {
         let packets = tracer.with_level(Some(level));
-        assert_eq!(packets.level().map(Level::name), Some(level.name()), "{what}: no packets");
+        assert_eq!(packets.packet_level().map(Level::name), Some(level.name()), "{what}: no packets");
         let mut hits = vec![None; queries.len()];
         packets.trace_many(Arithmetic::Exact, queries, &mut hits);
         let mut blocked = vec![false; queries.len()];
@@ -205,12 +205,12 @@ fn without_a_wide_tree_or_an_even_grid_rays_go_one_by_one() {
     let dag = Dag::new(&words).unwrap();
     let wide = WideBuf::new(&dag, usize::MAX).unwrap();
     let best = Level::best();
-    assert!(Tracer::new(dag).with_level(best).level().is_none());
-    assert!(Tracer::new(wide.as_wide()).with_level(best).level().is_none());
+    assert!(Tracer::new(dag).with_level(best).packet_level().is_none());
+    assert!(Tracer::new(wide.as_wide()).with_level(best).packet_level().is_none());
     for bits in 0..=4 {
         let top = TopBuf::new(&wide.as_wide(), bits).unwrap();
         let tracer = Tracer::with_top(wide.as_wide(), top.as_top()).unwrap().with_level(best);
-        assert_eq!(tracer.level().is_some(), best.is_some() && bits % 2 == 0, "{bits} bits");
+        assert_eq!(tracer.packet_level().is_some(), best.is_some() && bits % 2 == 0, "{bits} bits");
         let queries = [Query::new([1.5, 2.5, -4.0], [0.0, 0.0, 1.0])];
         let mut hits = [None];
         tracer.trace_many(Arithmetic::Exact, &queries, &mut hits);

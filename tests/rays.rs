@@ -76,7 +76,7 @@ impl Scene {
         let tracer = Tracer::with_top(self.wide.as_wide(), self.wide_top.as_top()).expect("the grid is this tree's");
         Level::all().map(move |level| {
             let tracer = tracer.with_level(Some(level));
-            assert!(tracer.level().is_some() || self.wide.as_wide().is_empty());
+            assert!(tracer.packet_level().is_some() || self.wide.as_wide().is_empty());
             tracer
         })
     }
@@ -164,9 +164,9 @@ fn check(scene: &Scene, ray: &Ray) -> Option<Truth> {
     for tracer in scene.packets() {
         let (mut hit, mut blocked) = ([None], [false]);
         tracer.trace_many(Arithmetic::Exact, &[query(ray)], &mut hit);
-        assert_eq!(hit[0], scene.dag().trace(&query(ray)), "{:?}: {}", tracer.level(), what());
+        assert_eq!(hit[0], scene.dag().trace(&query(ray)), "{:?}: {}", tracer.packet_level(), what());
         tracer.occluded_many(Arithmetic::Exact, &[query(ray)], &mut blocked);
-        assert_eq!(blocked[0], truth.is_some(), "occluded, {:?}: {}", tracer.level(), what());
+        assert_eq!(blocked[0], truth.is_some(), "occluded, {:?}: {}", tracer.packet_level(), what());
     }
     truth
 }

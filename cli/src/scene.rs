@@ -439,7 +439,7 @@ pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option
 }
 
 /// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where
-/// there is no room or no use for that, one by one over what it is. Derived data takes what the [`Memory`] leaves.
+/// there is no room or no use for that, one by one over what it is, with the vectors for normals. Derived data takes what the [`Memory`] leaves.
 macro_rules! with_tracer {
     ($geometry:expr, $memory:expr, $tracer:ident => $body:expr) => {{
         let (geometry, memory) = ($geometry, $memory);
@@ -454,7 +454,7 @@ macro_rules! with_tracer {
             }
             None => voxdag::match_geometry!(geometry, g => {
                 let top = $crate::scene::top_within(&g, $crate::scene::TOP_BITS, memory);
-                let $tracer = $crate::scene::tracer(g, top.as_ref());
+                let $tracer = $crate::scene::tracer(g, top.as_ref()).with_level(level);
                 $body
             }),
         }
@@ -574,7 +574,7 @@ mod tests {
             let top = top_within(&tree.as_wide(), TOP_BITS, &memory);
             assert_eq!(top.is_some(), bits >= 1);
             let many = tracer(tree.as_wide(), top.as_ref()).with_level(Level::best());
-            assert_eq!(many.level().is_some(), bits >= 1 && Level::best().is_some());
+            assert_eq!(many.packet_level().is_some(), bits >= 1 && Level::best().is_some());
         }
     }
 }

@@ -76,10 +76,10 @@ impl Level {
 /// Runs an expression of type `()` with the token of a level's instructions, compiled for each that the target can have.
 macro_rules! dispatch {
     ($level:expr, $simd:ident => $kernel:expr) => {{
-        #[cfg(any(not(any(target_arch = "x86", target_arch = "x86_64")), target_feature = "sse2"))]
+        // On x86 without vector registers dispatch would compile what LLVM cannot.
+        #[cfg(not(all(any(target_arch = "x86", target_arch = "x86_64"), not(target_feature = "sse2"))))]
         fearless_simd::dispatch!($level.token(), $simd => $kernel);
-        // Targets without vector registers: dispatch would compile what LLVM cannot.
-        #[cfg(not(any(not(any(target_arch = "x86", target_arch = "x86_64")), target_feature = "sse2")))]
+        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(target_feature = "sse2")))]
         if let fearless_simd::Level::Fallback($simd) = $level.token() {
             $kernel
         }

@@ -51,6 +51,20 @@ pub enum NormalKind {
     Ernerfeldt2,
 }
 
+impl NormalKind {
+    /// All of them.
+    pub const ALL: [NormalKind; 8] = [
+        NormalKind::Face,
+        NormalKind::Stored,
+        NormalKind::Gradient,
+        NormalKind::Plane1,
+        NormalKind::Plane2,
+        NormalKind::Plane3,
+        NormalKind::Ernerfeldt1,
+        NormalKind::Ernerfeldt2,
+    ];
+}
+
 /// How a normal was found, hence how far to trust it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Confidence {

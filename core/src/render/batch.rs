@@ -121,7 +121,7 @@ impl Batch {
         for (id, hit) in self.materials.iter_mut().zip(hits) {
             *id = view.materials.id(hit.voxel);
         }
-        let level = view.tracer.vectors();
+        let level = view.tracer.level();
         normal::normals(level, &view.tracer, view.materials, hits, &self.dirs, settings.normals, &mut self.normals);
         for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
             *color = shade::glow(material(view.palette, *id), settings.ambient);

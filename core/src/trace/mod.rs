@@ -64,6 +64,9 @@ pub enum Face {
 }
 
 impl Face {
+    /// All of them, the six sides first.
+    pub const ALL: [Face; 7] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ, Face::Inside];
+
     /// Outward unit normal; zero for [`Face::Inside`].
     pub const fn normal(self) -> [f32; 3] {
         match self {
@@ -171,12 +174,12 @@ impl<'a, G: Geometry> Tracer<'a, G> {
 
     /// What was given to [`Tracer::with_level`].
     #[inline]
-    pub(crate) fn vectors(&self) -> Option<Level> {
+    pub(crate) fn level(&self) -> Option<Level> {
         self.level
     }
 
     /// What many rays at once are traced by; `None` if they are traced one by one.
-    pub fn level(&self) -> Option<Level> {
+    pub fn packet_level(&self) -> Option<Level> {
         packet::Packets::of(self, Arithmetic::Exact).and(self.level)
     }
 

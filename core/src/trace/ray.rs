@@ -40,6 +40,9 @@ pub(super) struct Ray {
 /// What the errors of f64 values are measured in, with room to spare: 16 x 2^-53.
 pub(super) const UNIT: f64 = f64::from_bits((1023 - 49) << 52);
 
+/// 1.5 x 2^52: adding it rounds to an integer and leaves that in the low bits.
+pub(super) const ROUND: f64 = 6_755_399_441_055_744.0;
+
 /// What f64 values are too close to tell.
 pub(super) struct Unclear;
 
@@ -222,8 +225,6 @@ impl Ray {
     /// The voxel's coordinate on an axis at time `t` by f64 alone, and whether that is certain: no plane is too close.
     #[inline(always)]
     pub(super) fn place(&self, axis: usize, t: f64) -> (i32, bool) {
-        // Adding this number rounds to an integer and leaves it in the low bits.
-        const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 x 2^52
         let middle = self.origin[axis] + self.dir[axis] * t - 0.5;
         let rounded = middle + ROUND;
         (rounded.to_bits() as i32, (middle - (rounded - ROUND)).abs() < self.half)

@@ -23,7 +23,7 @@ use crate::textbook::ernerfeldt;
 pub fn normals(data: &[u8]) {
     let mut bytes = Bytes(data);
     let choice = bytes.u8();
-    let (kind, face) = (KINDS[usize::from(choice & 7)], FACES[usize::from(choice >> 3 & 7) % 7]);
+    let (kind, face) = (NormalKind::ALL[usize::from(choice & 7)], Face::ALL[usize::from(choice >> 3 & 7) % 7]);
     let (depth, corner) = match choice >> 6 {
         0 => (5, [13; 3]),
         1 => (4, [-3; 3]),
@@ -65,7 +65,7 @@ pub fn normals(data: &[u8]) {
 /// before and after it on the Morton curve.
 fn many(tracer: &Tracer<'_, Dag<'_>>, hit: &Hit, dir: [f64; 3], kind: NormalKind) {
     let hits: [Hit; 40] = core::array::from_fn(|i| match i {
-        0..7 => Hit { face: FACES[(i + FACES.iter().position(|f| *f == hit.face).unwrap_or(0)) % 7], ..*hit },
+        0..7 => Hit { face: Face::ALL[(i + Face::ALL.iter().position(|f| *f == hit.face).unwrap_or(0)) % 7], ..*hit },
         _ => Hit { voxel: Morton(hit.voxel.0.wrapping_add(i as u64 - 7).wrapping_sub(16) & u64::MAX >> 1), ..*hit },
     });
     let bits = |n: Normal| (n.direction.map(f32::to_bits), n.confidence);
@@ -76,18 +76,6 @@ fn many(tracer: &Tracer<'_, Dag<'_>>, hit: &Hit, dir: [f64; 3], kind: NormalKind
         assert_eq!(found.map(bits), alone.map(bits), "many at once with {:?}", level.map(Level::name));
     }
 }
-
-const KINDS: [NormalKind; 8] = [
-    NormalKind::Face,
-    NormalKind::Stored,
-    NormalKind::Gradient,
-    NormalKind::Plane1,
-    NormalKind::Plane2,
-    NormalKind::Plane3,
-    NormalKind::Ernerfeldt1,
-    NormalKind::Ernerfeldt2,
-];
-const FACES: [Face; 7] = [Face::NegX, Face::PosX, Face::NegY, Face::PosY, Face::NegZ, Face::PosZ, Face::Inside];
 
 type Voxel = [i64; 3];
 

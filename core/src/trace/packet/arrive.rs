@@ -12,12 +12,10 @@ use super::walk::{End, Ends};
 use crate::morton::Morton;
 use crate::simd::{Level, dispatch};
 use crate::trace::exact::{HUGE, TINY};
-use crate::trace::ray::axes;
+use crate::trace::ray::{ROUND, axes};
 use crate::trace::walk::FACES;
 use crate::trace::{Face, Hit};
 
-/// 1.5 x 2^52: adding it leaves an integer in the low bits.
-const ROUND: f64 = 6_755_399_441_055_744.0;
 /// The bits of a code that are x's.
 const AXIS: u64 = 0x1249_2492_4924_9249;
 /// No voxel.

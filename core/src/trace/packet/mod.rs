@@ -113,7 +113,8 @@ impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
         }
     }
 
-    /// What the lanes left open: the whole of a ray, the rest of its way, or how it arrived.
+    /// What the lanes left open: the whole of a ray, the rest of its way, or how it arrived. By f32 the voxel may lie off the
+    /// line; the first step from it, which is not kept in the box, leads back to the line.
     #[cold]
     #[inline(never)]
     fn follow(&self, query: &Query, how: End, voxel: [i32; 3]) -> Option<Hit> {
