@@ -18,6 +18,7 @@ mod ordered;
 mod output;
 mod picture;
 mod progress;
+mod quality;
 mod rays;
 mod report;
 mod scene;

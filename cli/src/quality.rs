@@ -1,0 +1,55 @@
+//! What of a picture's settings trades accuracy for time, as one value: what `accuracy` sweeps and `render --budget`
+//! chooses from. It is applied to the flags of a picture, and told as the flags that give it.
+
+use clap::ValueEnum;
+use voxdag::render::Samples;
+
+use crate::options::{ArithmeticArg, NormalsArg, PictureArgs, SupersampleArg};
+
+/// How well a picture is drawn.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Quality {
+    pub samples: Samples,
+    pub supersample: SupersampleArg,
+    pub normals: NormalsArg,
+    pub arithmetic: ArithmeticArg,
+}
+
+impl Default for Quality {
+    /// That of `render` where nothing is said.
+    fn default() -> Quality {
+        Quality {
+            samples: Samples::Four,
+            supersample: SupersampleArg::All,
+            normals: NormalsArg::default(),
+            arithmetic: ArithmeticArg::default(),
+        }
+    }
+}
+
+impl Quality {
+    /// The picture of `args` in this quality.
+    pub fn apply(self, args: &PictureArgs) -> PictureArgs {
+        let Quality { samples, supersample, normals, arithmetic } = self;
+        PictureArgs { samples: Some(samples), supersample: Some(supersample), normals, arithmetic, ..args.clone() }
+    }
+
+    /// The flags that give it; those of the default are left out but for the samples.
+    pub fn flags(self) -> String {
+        fn name<T: ValueEnum>(value: T) -> String {
+            value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
+        }
+        let usual = Quality::default();
+        let mut flags = format!("--samples {}", self.samples.count());
+        if self.supersample != usual.supersample {
+            flags += &format!(" --supersample {}", self.supersample);
+        }
+        if self.normals != usual.normals {
+            flags += &format!(" --normals {}", name(self.normals));
+        }
+        if self.arithmetic != usual.arithmetic {
+            flags += &format!(" --arithmetic {}", name(self.arithmetic));
+        }
+        flags
+    }
+}
