@@ -20,7 +20,7 @@ use voxdag::{Grid, Material};
 
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
-use crate::options::{CameraArgs, PictureArgs};
+use crate::options::{CameraArgs, LightingArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::scene::with_tracer;
@@ -73,7 +73,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memo
     let memory = memory.with(8 * pixels.len() as u64);
 
     let camera = camera(scene, &args.camera)?;
-    let lights = lights(scene, &camera, args);
+    let lights = lights(scene, &camera, &args.lighting);
     let start = Instant::now();
     let settings = Settings { mark_supersampled, ..settings(scene, &camera, args)? };
     // One kernel for wide trees, which are made of any layout; where there is no room for one, one for each layout. Materials
@@ -161,7 +161,7 @@ pub fn primary(scene: &Shown<'_>, camera: &CameraArgs, [width, height]: [u32; 2]
 }
 
 /// The lights that the flags describe, or the default one.
-fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> {
+pub fn lights(scene: &Shown<'_>, camera: &Camera, args: &LightingArgs) -> Vec<Light> {
     let shadow = args.shadows;
     if args.lights.is_empty() {
         return vec![Light { shadow, ..camera.headlight(scene.bounds.radius()) }];
@@ -169,7 +169,8 @@ fn lights(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Vec<Light> 
     args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color, shadow }).collect()
 }
 
-fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
+/// How the picture is made.
+pub fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
@@ -177,7 +178,7 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         supersample: args.supersample(scene.geometry, camera),
         normals: args.normals.kind(&scene.materials)?,
         arithmetic: args.arithmetic.kind(),
-        ambient: args.ambient,
+        ambient: args.lighting.ambient,
         ..Settings::default()
     })
 }

@@ -8,7 +8,7 @@ use voxdag::demo;
 
 use crate::error::{Error, Result};
 use crate::options::{
-    ArithmeticArg, BuildArgs, CameraArgs, LightArg, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
+    ArithmeticArg, BuildArgs, CameraArgs, LightArg, LightingArgs, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
 };
 use crate::output::Output;
 use crate::picture;
@@ -115,9 +115,11 @@ fn view() -> PictureArgs {
             view_up: Some(view.up),
             fov: Some(view.fov_y),
         },
-        lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
-        shadows: false,
-        ambient: view.ambient,
+        lighting: LightingArgs {
+            lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
+            shadows: false,
+            ambient: view.ambient,
+        },
         normals: NormalsArg::default(),
         samples: None,
         supersample: None,

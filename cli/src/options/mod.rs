@@ -4,7 +4,7 @@
 mod picture;
 mod values;
 
-pub use picture::{ArithmeticArg, CameraArgs, LightArg, NormalsArg, PictureArgs, SupersampleArg};
+pub use picture::{ArithmeticArg, CameraArgs, LightArg, LightingArgs, NormalsArg, PictureArgs, SupersampleArg};
 pub use values::{picture_size, supersample};
 
 use std::path::Path;

@@ -36,17 +36,10 @@ pub struct CameraArgs {
     pub fov: Option<f64>,
 }
 
-/// How the scene is seen and lit.
+/// How the scene is lit.
 #[derive(Args, Clone, Debug)]
 #[command(next_help_heading = "Picture")]
-pub struct PictureArgs {
-    /// Width and height in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size, allow_hyphen_values = true)]
-    pub size: [u32; 2],
-
-    #[command(flatten)]
-    pub camera: CameraArgs,
-
+pub struct LightingArgs {
     /// A point light and its colour; may be repeated [default: one white light above the eye]
     #[arg(long = "light", value_name = "X,Y,Z[,R,G,B]", value_parser = light, allow_hyphen_values = true)]
     pub lights: Vec<LightArg>,
@@ -58,6 +51,21 @@ pub struct PictureArgs {
     /// Light from everywhere: one number or three
     #[arg(long, value_name = "R,G,B", default_value = "0.2", value_parser = colour, allow_hyphen_values = true)]
     pub ambient: [f32; 3],
+}
+
+/// How the scene is seen and lit.
+#[derive(Args, Clone, Debug)]
+#[command(next_help_heading = "Picture")]
+pub struct PictureArgs {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size, allow_hyphen_values = true)]
+    pub size: [u32; 2],
+
+    #[command(flatten)]
+    pub camera: CameraArgs,
+
+    #[command(flatten)]
+    pub lighting: LightingArgs,
 
     /// Where the surface's direction is taken from
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]

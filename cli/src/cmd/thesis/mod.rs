@@ -16,7 +16,7 @@ use voxdag::grid::UpAxis;
 
 use crate::error::{Error, Kind, Result};
 use crate::input;
-use crate::options::{ArithmeticArg, CameraArgs, MachineArgs, NormalsArg, PictureArgs, picture_size};
+use crate::options::{ArithmeticArg, CameraArgs, LightingArgs, MachineArgs, NormalsArg, PictureArgs, picture_size};
 use crate::output::Output;
 use crate::picture::Picture;
 use crate::progress::Progress;
@@ -161,9 +161,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
         let drawing = PictureArgs {
             size: args.size,
             camera: view.camera,
-            lights: view.lights,
-            shadows: false,
-            ambient: [0.2; 3],
+            lighting: LightingArgs { lights: view.lights, shadows: false, ambient: [0.2; 3] },
             normals: NormalsArg::default(),
             samples: None,
             supersample: None,
