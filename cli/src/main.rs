@@ -16,6 +16,7 @@ mod memory;
 mod options;
 mod ordered;
 mod output;
+mod overlap;
 mod picture;
 mod progress;
 mod quality;

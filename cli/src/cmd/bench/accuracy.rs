@@ -1,13 +1,10 @@
 //! `voxdag bench accuracy`: the textbook methods beside the exact ones, what they cost and where they err.
 //!
-//! - Overlap: 13 separating axes in f32 and f64 (Akenine-Moeller 2001) against the exact cover, on the mesh after
-//!   snapping. All three are given per voxel and triangle that come near each other. To the textbook's advantage the way
-//!   down to bricks is not in its time; in that of the exact cover it is. Its boxes are closed, ours half-open: voxels
-//!   that are only touched count as extra.
+//! - Overlap: the textbook's test ([`overlap`]) against the exact cover. All are given per voxel and triangle that come
+//!   near each other. To the textbook's advantage the way down to bricks is not in its time; in that of the exact cover it
+//!   is.
 //! - Tracing: a DDA in f32 (Amanatides and Woo 1987), voxel by voxel, and f64 without a bound on errors.
 //! - Normals: of a sphere, planes and a torus, whose true ones are known.
-
-use std::collections::BTreeMap;
 
 use serde::Serialize;
 use voxdag::Geometry;
@@ -23,13 +20,14 @@ use voxdag::voxelize::{Cover, Voxelizer};
 use voxdag::{Dag, Grid, Morton};
 use voxdag_oracle::scenes::{self, Shape};
 use voxdag_oracle::subject;
-use voxdag_oracle::textbook::{akenine_moller, dda_f32};
+use voxdag_oracle::textbook::dda_f32;
 
 use super::build::voxelized;
 use super::rays::{self, Found};
 use super::{Cost, Run};
 use crate::error::{Error, Kind, Result};
 use crate::measure::{Arm, measure};
+use crate::overlap::{self, Near};
 use crate::picture::{self, Shown};
 use crate::report::{self, Lines, grouped};
 use crate::scene::Source;
@@ -128,96 +126,32 @@ fn defect(error: impl std::fmt::Display) -> Error {
     Error::new(Kind::Failure, error)
 }
 
-/// A triangle and a brick near it.
-struct Near {
-    corners: [[f64; 3]; 3],
-    /// First voxel of the brick.
-    brick: [u32; 3],
-}
-
-impl Near {
-    /// The brick's voxels that a test marks, given the triangle and the middle of a voxel of side 1.
-    fn mask(&self, test: impl Fn([[f64; 3]; 3], [f64; 3]) -> bool) -> u64 {
-        (0..64).fold(0, |mask, bit| {
-            let [x, y, z] = Morton(bit).decode();
-            let middle = [self.brick[0] + x, self.brick[1] + y, self.brick[2] + z].map(|k| f64::from(k) + 0.5);
-            mask | u64::from(test(self.corners, middle)) << bit
-        })
-    }
-
-    fn f32(&self) -> u64 {
-        self.mask(|t, middle| akenine_moller(t.map(|p| p.map(|x| x as f32)), middle.map(|x| x as f32), [0.5; 3]))
-    }
-
-    fn f64(&self) -> u64 {
-        self.mask(|t, middle| akenine_moller(t, middle, [0.5; 3]))
-    }
-}
-
 fn overlap(run: &Run, source: &Source, grid: &Grid) -> Result<Overlap> {
     let mesh = source.model.mesh();
     let voxelizer = Voxelizer::new(&mesh, grid, Cover::Exact).map_err(defect)?;
-    let near = near(&mesh.triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize])).collect::<Vec<_>>(), grid);
-
-    let parts = voxelizer.subtrees();
+    let near = overlap::near(&mesh, grid);
     let [f32, f64, exact] = measure(
         run.repeat,
         [
             Arm::each(&near, |near: &Near| near.f32().count_ones().into()),
             Arm::each(&near, |near: &Near| near.f64().count_ones().into()),
-            Arm::pieces(parts, |part| voxelized(&voxelizer, part)),
+            Arm::pieces(voxelizer.subtrees(), |part| voxelized(&voxelizer, part)),
         ],
     )?;
 
-    // Masks by f32, by f64 and exact ones, by brick.
-    let mut masks: BTreeMap<u64, [u64; 3]> = BTreeMap::new();
-    for near in &near {
-        let [f32, f64, _] = masks.entry(Morton::encode(near.brick).map_or(0, |code| code.0)).or_default();
-        *f32 |= near.f32();
-        *f64 |= near.f64();
-    }
-    for part in 0..parts {
-        let base = voxelizer.subtree_code(part).0;
-        for (code, mask) in super::build::bricks(&voxelizer, part).map_err(defect)? {
-            masks.entry(base | code.0).or_default()[2] |= mask;
-        }
-    }
-    let count = |f: &dyn Fn(&[u64; 3]) -> u64| masks.values().map(|m| u64::from(f(m).count_ones())).sum::<u64>();
+    let truth = overlap::exact(&mesh, grid).map_err(defect)?;
     let tests = 64 * near.len();
-    let covered = |times, method: usize| {
-        let (missing, extra) = (count(&|m| m[2] & !m[method]), count(&|m| m[method] & !m[2]));
+    let covered = |times, found: &[overlap::Brick]| {
+        let [missing, extra] = overlap::differing(&truth, found);
         Covered { cost: Cost::of(times, tests), wrong: missing + extra, missing, extra }
     };
     Ok(Overlap {
         tests,
-        voxels: count(&|m| m[2]),
-        f32: covered(&f32, 0),
-        f64: covered(&f64, 1),
-        exact: covered(&exact, 2),
+        voxels: truth.iter().map(|brick| u64::from(brick.1.count_ones())).sum(),
+        f32: covered(&f32, &overlap::bricks(&near, Near::f32)),
+        f64: covered(&f64, &overlap::bricks(&near, Near::f64)),
+        exact: covered(&exact, &truth),
     })
-}
-
-/// Every triangle, snapped, with every brick that it comes within a voxel of.
-fn near(triangles: &[[[f64; 3]; 3]], grid: &Grid) -> Vec<Near> {
-    let snapped = |p| grid.snap(p).map_or([0.0; 3], |q| q.map(|x| f64::from(x) / 256.0));
-    let mut near = Vec::new();
-    let mut open = Vec::new();
-    for corners in triangles.iter().map(|t| t.map(snapped)) {
-        open.push(([0; 3], 1u32 << grid.depth().max(2)));
-        while let Some((corner, side)) = open.pop() {
-            let half = f64::from(side) / 2.0;
-            if !akenine_moller(corners, corner.map(|k: u32| f64::from(k) + half), [half + 1.0; 3]) {
-                continue;
-            }
-            if side == 4 {
-                near.push(Near { corners, brick: corner });
-                continue;
-            }
-            let side = side / 2;
-            open.extend((0..8).map(|octant| (std::array::from_fn(|i| corner[i] + (octant >> i & 1) * side), side)));
-        }
-    }
-    near
 }
 
 fn tracing<G: Geometry>(run: &Run, scene: &Shown<'_>, geometry: G) -> Result<Tracing> {

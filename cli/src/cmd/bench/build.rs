@@ -136,7 +136,7 @@ pub fn voxelized(voxelizer: &Voxelizer<'_>, part: usize) -> u64 {
 }
 
 /// The bricks of a subtree: their codes and masks.
-pub fn bricks(voxelizer: &Voxelizer<'_>, part: usize) -> std::result::Result<Vec<(Morton, u64)>, VoxelizeError> {
+fn bricks(voxelizer: &Voxelizer<'_>, part: usize) -> std::result::Result<Vec<(Morton, u64)>, VoxelizeError> {
     let mut bricks = Vec::new();
     voxelizer.voxelize(part, |brick| {
         bricks.push((brick.code, brick.mask));
