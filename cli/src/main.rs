@@ -11,6 +11,7 @@ mod formats;
 mod hexfloat;
 mod input;
 mod layout;
+mod machine;
 mod measure;
 mod memory;
 mod options;

@@ -14,6 +14,7 @@ use voxdag_oracle::textbook::akenine_moller;
 pub type Brick = (Morton, u64);
 
 /// A triangle, snapped, in voxels, and the first voxel of a brick that it comes within a voxel of.
+#[derive(Clone, Copy)]
 pub struct Near {
     pub corners: [[f64; 3]; 3],
     pub brick: [u32; 3],
@@ -43,7 +44,8 @@ impl Near {
         self.mask(|_, middle| clip::meets_voxel(&units, middle.map(|x| x as i64), Cell::HalfOpen))
     }
 
-    fn code(&self) -> Morton {
+    /// Of the brick's first voxel.
+    pub fn code(&self) -> Morton {
         Morton::encode(self.brick).unwrap_or(Morton(0))
     }
 }

@@ -298,7 +298,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
             cost: Cost { parse: source.parse_time, voxelize, reduce: reduce + laid_out, materials: time },
         })
     })?;
-    memory.hold(4 * (built.layout.words() + built.voxel_materials.words().len()) as u64);
+    memory.hold(built.held());
     Ok(built)
 }
 
@@ -336,6 +336,11 @@ pub fn voxel_materials(
 }
 
 impl Built {
+    /// Bytes that it takes in memory.
+    pub fn held(&self) -> u64 {
+        4 * (self.layout.words() + self.voxel_materials.words().len()) as u64
+    }
+
     fn voxel_materials(&self) -> AnyMaterials<'_> {
         let materials = self.voxel_materials.as_materials(self.layout.rank());
         materials.expect("ranks are there if they are needed, and of the same voxels")

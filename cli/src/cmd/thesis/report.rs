@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::table::{Cell, Row, Table, escaped};
 use crate::error::{Error, Kind, Result};
+use crate::machine::Machine;
 use crate::report::{grouped, visible};
 
 /// Everything that was measured.
@@ -21,16 +22,6 @@ pub struct Report {
     /// Pictures by scene: name of the scene, of the configuration, and the file.
     #[serde(skip)]
     pub pictures: Vec<[String; 3]>,
-}
-
-#[derive(Serialize)]
-struct Machine {
-    os: &'static str,
-    architecture: &'static str,
-    /// Its name, where the system says it.
-    processor: Option<String>,
-    threads: usize,
-    version: &'static str,
 }
 
 /// From where a scene is seen.
@@ -179,13 +170,7 @@ impl Report {
         });
         Report {
             command: format!("voxdag {}", visible(&crate::report::typed())),
-            machine: Machine {
-                os: std::env::consts::OS,
-                architecture: std::env::consts::ARCH,
-                processor: processor(),
-                threads,
-                version: env!("CARGO_PKG_VERSION"),
-            },
+            machine: Machine::with(threads),
             runs,
             tables: tables.into(),
             agreements: Vec::new(),
@@ -206,22 +191,18 @@ impl Report {
 
     /// For people.
     pub fn markdown(&self) -> String {
-        let Machine { os, architecture, processor, threads, version } = &self.machine;
-        let processor = processor.as_deref().map(|name| format!("{name}, ")).unwrap_or_default();
         let [width, height] = self.size;
         let runs = match self.runs {
             1 => "single runs, which say little".to_owned(),
             runs => format!("medians of {runs} runs that took turns; their extremes are in the CSV"),
         };
-        let threads = if *threads == 1 { "one thread".to_owned() } else { format!("{threads} threads") };
         let mut text = format!(
             "# The thesis's tables, measured again\n\nPineda (2021), *Exploring Material Representations for Sparse Voxel \
              DAGs*: tables 5.1 to 5.8 by this program's own implementations of both sides. Why its numbers differ from the \
-             thesis's is told in docs/thesis of the project.\n\n    {}\n\nvoxdag {version} on {}{threads} ({os}, \
-             {architecture}). Times are wall-clock times, {runs}. Render times are those of tracing and shading \
+             thesis's is told in docs/thesis of the project.\n\n    {}\n\n{}. Times are wall-clock times, {runs}. Render times are those of tracing and shading \
              {width}x{height} pixels, making the top grid included, building the scene not. KB are 1024 bytes, MB 1024^2.\n",
             self.command,
-            visible(&processor),
+            self.machine.text(),
         );
         for Seen { scene, read_as, flags } in &self.views {
             let read_as = read_as.map(|name| format!(", read as the thesis's {name}")).unwrap_or_default();
@@ -303,11 +284,4 @@ impl Report {
     pub fn all_equal(&self) -> bool {
         self.agreements.iter().all(|agreement| agreement.equal)
     }
-}
-
-/// The processor's name, where the system has `/proc/cpuinfo`.
-fn processor() -> Option<String> {
-    let info = std::fs::read_to_string("/proc/cpuinfo").ok()?;
-    let line = info.lines().find(|line| line.starts_with("model name"))?;
-    Some(line.split_once(':')?.1.trim().to_owned())
 }
