@@ -99,22 +99,24 @@ impl BuildArgs {
 
     /// The flags that were given, as they can be typed again after other words for `build`, which makes files.
     pub fn typed(&self) -> String {
-        fn name<T: ValueEnum>(value: T) -> String {
-            value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
-        }
         let flags = [
             self.resolution.map(|n| format!(" -r {n}")),
             self.voxel_size.map(|s| format!(" --voxel-size {}", number_text(s))),
             self.origin.map(|[x, y, z]| format!(" --origin {},{},{}", number_text(x), number_text(y), number_text(z))),
-            self.cover.map(|cover| format!(" --cover {}", name(cover))),
-            self.geometry.filter(|geometry| geometry.is_for_files()).map(|g| format!(" --geometry {}", name(g))),
+            self.cover.map(|cover| format!(" --cover {}", name_of(cover))),
+            self.geometry.filter(|geometry| geometry.is_for_files()).map(|g| format!(" --geometry {}", name_of(g))),
             self.materials
                 .filter(|materials| materials.is_for_files())
-                .map(|materials| format!(" --materials {}", name(materials))),
-            self.up_axis.map(|axis| format!(" --up-axis {}", name(axis))),
+                .map(|materials| format!(" --materials {}", name_of(materials))),
+            self.up_axis.map(|axis| format!(" --up-axis {}", name_of(axis))),
         ];
         flags.into_iter().flatten().collect()
     }
+}
+
+/// How a choice is typed.
+pub fn name_of<T: ValueEnum>(value: T) -> String {
+    value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
 }
 
 /// Which voxels a triangle fills.
