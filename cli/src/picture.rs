@@ -92,7 +92,7 @@ pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memo
         height,
         samples: settings.samples.count(),
         pixels,
-        rays: Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary },
+        rays: Rays::of(&counters),
         hits: counters.hits,
         supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
         effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
@@ -198,6 +198,16 @@ impl<'a> Shown<'a> {
 }
 
 impl Rays {
+    /// As a renderer counted them.
+    pub fn of(counters: &Counters) -> Rays {
+        Rays { primary: counters.primary, shadow: counters.shadow, secondary: counters.secondary }
+    }
+
+    /// All of them.
+    pub fn total(&self) -> u64 {
+        self.primary + self.shadow + self.secondary
+    }
+
     /// For people; kinds that did not occur are left out.
     pub fn text(&self) -> String {
         let kinds = [("primary", self.primary), ("shadow", self.shadow), ("secondary", self.secondary)];
@@ -222,7 +232,12 @@ impl Picture {
     }
 }
 
-fn png<'a>([width, height]: [u32; 2], pixels: impl Iterator<Item = &'a u32>, file: impl Write) -> std::io::Result<()> {
+/// Encodes pixels, row by row from the top, as PNG.
+pub fn png<'a>(
+    [width, height]: [u32; 2],
+    pixels: impl Iterator<Item = &'a u32>,
+    file: impl Write,
+) -> std::io::Result<()> {
     let bytes: Vec<u8> = pixels.flat_map(|p| p.to_le_bytes()).collect();
     image::codecs::png::PngEncoder::new(file)
         .write_image(&bytes, width, height, ExtendedColorType::Rgba8)

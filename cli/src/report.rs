@@ -4,6 +4,8 @@
 use std::io::{IsTerminal, Write};
 use std::path::Path;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use voxdag::layout::AnyGeometry;
 use voxdag::materials::AnyMaterials;
@@ -179,6 +181,11 @@ pub fn peak(bytes: Option<u64>) -> String {
 /// Three numbers, each with the digits that bring the same bits back.
 pub fn triple(v: [f64; 3]) -> String {
     v.map(number).join(", ")
+}
+
+/// A PNG as the address of an image that is part of a page.
+pub fn data_url(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
 
 #[cfg(test)]

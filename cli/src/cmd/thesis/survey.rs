@@ -2,11 +2,10 @@
 //! order and saves a person's answers as CSV, the other adds the answers of all people up, like figures 5.5 to 5.9.
 //! Nothing is loaded from elsewhere: pictures are part of the page.
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use crate::error::{Error, Kind, Result};
+use crate::report::data_url;
 
 /// The page that adds answers up.
 pub const TALLY: &str = include_str!("tally.html");
@@ -29,7 +28,7 @@ pub struct Choice {
 impl Choice {
     /// Of an encoded picture.
     pub fn new(configuration: &'static str, png: &[u8]) -> Choice {
-        Choice { configuration, image: format!("data:image/png;base64,{}", STANDARD.encode(png)) }
+        Choice { configuration, image: data_url(png) }
     }
 }
 
