@@ -12,6 +12,7 @@ use voxdag::trace::Arithmetic;
 
 use super::values::{colour, direction, field_of_view, light, picture_size, samples, supersample, triple};
 use crate::error::Error;
+use crate::report::number;
 
 /// From where the scene is seen.
 #[derive(Args, Clone, Debug)]
@@ -34,6 +35,29 @@ pub struct CameraArgs {
     /// Vertical field of view in degrees, above 0 and below 180 [default: 45]
     #[arg(long, value_name = "DEG", value_parser = field_of_view, allow_hyphen_values = true)]
     pub fov: Option<f64>,
+}
+
+impl CameraArgs {
+    /// The flags that give a camera.
+    pub fn typed_of(camera: &Camera) -> String {
+        let Camera { eye, target, up, fov_y } = *camera;
+        CameraArgs { eye: Some(eye), target: Some(target), view_up: Some(up), fov: Some(fov_y) }.typed()
+    }
+
+    /// The flags that were given, as they can be typed again.
+    pub fn typed(&self) -> String {
+        let CameraArgs { eye, target, view_up, fov } = self;
+        let places = [("eye", eye), ("target", target), ("view-up", view_up)];
+        let mut flags: Vec<_> =
+            places.iter().filter_map(|(name, v)| Some(format!("--{name}={}", numbers((**v)?)))).collect();
+        flags.extend(fov.map(|fov| format!("--fov {}", number(fov))));
+        flags.join(" ")
+    }
+}
+
+/// Numbers as flags take them.
+fn numbers(numbers: impl IntoIterator<Item = impl Into<f64>>) -> String {
+    numbers.into_iter().map(|x| number(x.into())).collect::<Vec<_>>().join(",")
 }
 
 /// How the scene is lit.
@@ -87,6 +111,18 @@ pub struct PictureArgs {
     /// How rays are followed
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
+}
+
+impl LightingArgs {
+    /// These flags, as they can be typed again.
+    pub fn typed(&self) -> String {
+        let mut flags: Vec<_> = self.lights.iter().map(LightArg::typed).collect();
+        flags.extend(self.shadows.then(|| "--shadows".to_owned()));
+        if self.ambient != [0.2; 3] {
+            flags.push(format!("--ambient {}", numbers(self.ambient)));
+        }
+        flags.join(" ")
+    }
 }
 
 impl PictureArgs {
@@ -155,6 +191,14 @@ pub struct LightArg {
     pub position: [f64; 3],
     /// Linear light, 0 and up.
     pub color: [f32; 3],
+}
+
+impl LightArg {
+    /// The flag that gives it.
+    pub fn typed(&self) -> String {
+        let colour = if self.color == [1.0; 3] { String::new() } else { format!(",{}", numbers(self.color)) };
+        format!("--light={}{colour}", numbers(self.position))
+    }
 }
 
 /// Where the surface's direction is taken from.

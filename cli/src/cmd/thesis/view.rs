@@ -60,19 +60,9 @@ impl View {
 
     /// The flags of `render` that draw from there.
     pub fn flags(&self, [width, height]: [u32; 2]) -> String {
-        let triple = |v: [f64; 3]| v.map(crate::report::number).join(",");
-        let mut flags = format!("--size {width}x{height}");
-        let CameraArgs { eye, target, view_up, fov } = &self.camera;
-        for (name, value) in [("eye", eye), ("target", target), ("view-up", view_up)] {
-            if let Some(value) = value {
-                flags += &format!(" --{name}={}", triple(*value));
-            }
-        }
-        if let Some(fov) = fov {
-            flags += &format!(" --fov {}", crate::report::number(*fov));
-        }
+        let mut flags = format!("--size {width}x{height} {}", self.camera.typed());
         for light in &self.lights {
-            flags += &format!(" --light={}", triple(light.position));
+            flags += &format!(" {}", light.typed());
         }
         flags
     }
