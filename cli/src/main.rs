@@ -13,6 +13,7 @@ mod input;
 mod layout;
 mod measure;
 mod memory;
+mod metrics;
 mod options;
 mod ordered;
 mod output;
