@@ -14,6 +14,7 @@ mod layout;
 mod machine;
 mod measure;
 mod memory;
+mod metrics;
 mod options;
 mod ordered;
 mod output;
