@@ -7,13 +7,14 @@ use serde::Serialize;
 use voxdag::demo;
 
 use crate::error::{Error, Result};
+use crate::memory::Memory;
 use crate::options::{
     ArithmeticArg, BuildArgs, CameraArgs, LightArg, LightingArgs, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
 };
 use crate::output::Output;
 use crate::picture;
 use crate::report::{self, Lines, grouped, time};
-use crate::scene::{self, Bytes, Cost};
+use crate::scene::{self, Bytes, Cost, Source};
 use crate::stats::{self, ms};
 
 /// Build and draw the scene that comes along, into voxdag-demo.png
@@ -64,14 +65,8 @@ pub fn run(args: &Args) -> Result<()> {
     let output = Output::create(Path::new(PICTURE), "png").map_err(elsewhere)?;
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
-    let (text, library) = (demo::obj(), demo::mtl());
-    memory.hold((text.len() + library.len()) as u64);
-    scene::afford_import(Path::new("demo"), text.as_bytes(), &memory)?;
-    let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
-        (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
-    })?;
+    let source = source(&mut memory)?;
     let building = BuildArgs { resolution: Some(demo::RESOLUTION), ..BuildArgs::default() };
-    memory.hold(source.bytes);
     let built = pool.install(|| scene::build(&source, &building, &mut memory))?;
     memory.release(source.bytes);
     drop(source);
@@ -104,8 +99,20 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
+/// The scene's mesh, as if it had been read; it is held.
+pub fn source(memory: &mut Memory) -> Result<Source> {
+    let (text, library) = (demo::obj(), demo::mtl());
+    let text_bytes = (text.len() + library.len()) as u64;
+    scene::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;
+    let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
+        (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
+    })?;
+    memory.hold(source.bytes);
+    Ok(source)
+}
+
 /// The view that suits the scene, as if it had been typed.
-fn view() -> PictureArgs {
+pub fn view() -> PictureArgs {
     let view = demo::view();
     PictureArgs {
         size: [1280, 720],
