@@ -24,6 +24,7 @@ mod report;
 mod scene;
 mod show;
 mod stats;
+mod truth;
 
 use clap::{Parser, Subcommand};
 
