@@ -27,6 +27,7 @@ mod report;
 mod scene;
 mod show;
 mod stats;
+mod truth;
 
 use clap::{Parser, Subcommand};
 

@@ -51,6 +51,14 @@ pub struct Source {
     pub bytes: u64,
 }
 
+impl Source {
+    /// A model that was not read from a file.
+    pub fn of(name: &str, model: Model) -> Source {
+        let bytes = bytes_of(&model.mesh());
+        Source { path: PathBuf::from(name), model, files: Vec::new(), parse_time: Duration::ZERO, bytes }
+    }
+}
+
 /// Parses the text of the mesh at `path`, which is held, with the files beside it. The mesh is held in its stead.
 pub fn import_file(path: &Path, text: Vec<u8>, memory: &mut Memory) -> Result<Source> {
     let before = memory.held() - text.len() as u64;
