@@ -1,11 +1,12 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `memory` (the limit), `scene`, `layout`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
+//! `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
 //! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
+mod detail;
 mod error;
 mod formats;
 mod hexfloat;
@@ -27,6 +28,7 @@ mod report;
 mod scene;
 mod show;
 mod stats;
+mod trees;
 mod truth;
 
 use clap::{Parser, Subcommand};

@@ -11,6 +11,7 @@ use voxdag::camera::Camera;
 use voxdag::file::Scene;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::layout::AnyGeometry;
+use voxdag::lod::Lod;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
@@ -18,12 +19,13 @@ use voxdag::shade::{Light, LightKind, has_highlight};
 use voxdag::trace::Query;
 use voxdag::{Grid, Material};
 
+use crate::detail::{Detail, Looks};
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
 use crate::options::{CameraArgs, LightingArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
-use crate::scene::with_tracer;
+use crate::trees::{Trees, with_tracer};
 
 /// A finished picture and what it took.
 pub struct Picture {
@@ -40,6 +42,9 @@ pub struct Picture {
     pub supersampled: f64,
     /// Names of what the scene called for.
     pub effects: Vec<&'static str>,
+    /// Making what rays go through: the level of detail, trees.
+    pub derive: Duration,
+    /// Following rays and shading.
     pub trace: Duration,
 }
 
@@ -52,6 +57,7 @@ pub struct Rays {
 }
 
 /// What is drawn.
+#[derive(Clone)]
 pub struct Shown<'a> {
     pub grid: Grid,
     /// The mesh's box.
@@ -60,6 +66,8 @@ pub struct Shown<'a> {
     pub geometry: AnyGeometry<'a>,
     pub materials: AnyMaterials<'a>,
     pub palette: Vec<Material>,
+    /// Where the geometry is derived from a finer one, whose voxels are those that have materials.
+    pub lod: Option<Lod<AnyGeometry<'a>>>,
 }
 
 /// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
@@ -67,37 +75,70 @@ const BAND: usize = 4;
 
 /// Draws on the threads of the current pool; on demand with red on the pixels that take all samples.
 pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memory: &Memory) -> Result<Picture> {
-    let [width, height] = args.size;
-    // Once as pixels and once as bytes for the encoder.
-    let mut pixels = room(args.size, 8, memory)?;
-    let memory = memory.with(8 * pixels.len() as u64);
+    Prepared::new(scene, args.lod, memory)?.draw(scene, args, mark_supersampled, memory)
+}
 
-    let camera = camera(scene, &args.camera)?;
-    let lights = lights(scene, &camera, &args.lighting);
-    let start = Instant::now();
-    let settings = Settings { mark_supersampled, ..settings(scene, &camera, args)? };
-    // One kernel for wide trees, which are made of any layout; where there is no room for one, one for each layout. Materials
-    // are matched at each hit, which costs nothing measurable.
-    let counters = with_tracer!(scene.geometry, &memory, tracer => {
-        let (palette, materials) = (&scene.palette[..], scene.materials);
-        let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
-        in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
-    });
-    let effects = [
-        ("highlights", !lights.is_empty() && scene.palette.iter().any(has_highlight)),
-        ("shadows", lights.iter().any(|light| light.shadow)),
-    ];
-    Ok(Picture {
-        width,
-        height,
-        samples: settings.samples.count(),
-        pixels,
-        rays: Rays::of(&counters),
-        hits: counters.hits,
-        supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
-        effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
-        trace: start.elapsed(),
-    })
+/// What is derived from a scene to draw it at a level of detail; any number of pictures can be drawn with it.
+pub struct Prepared {
+    detail: Detail,
+    trees: Trees,
+    /// What deriving it took.
+    time: Duration,
+}
+
+impl Prepared {
+    /// Derives it.
+    pub fn new(scene: &Shown<'_>, lod: u8, memory: &Memory) -> Result<Prepared> {
+        let start = Instant::now();
+        let detail = Detail::new(scene, lod, memory)?;
+        let trees = Trees::new(detail.of(scene).geometry, &memory.with(detail.bytes()));
+        Ok(Prepared { detail, trees, time: start.elapsed() })
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        self.detail.bytes() + self.trees.bytes()
+    }
+
+    /// The scene that it was derived from, at its level of detail, and what makes rays through it faster.
+    pub fn parts<'s>(&'s self, scene: &Shown<'s>) -> (Shown<'s>, &'s Trees) {
+        (self.detail.of(scene), &self.trees)
+    }
+
+    /// [`draw`]s the scene that it was derived from.
+    pub fn draw(&self, scene: &Shown<'_>, args: &PictureArgs, mark: bool, memory: &Memory) -> Result<Picture> {
+        let scene = &self.detail.of(scene);
+        let [width, height] = args.size;
+        // Once as pixels and once as bytes for the encoder.
+        let mut pixels = room(args.size, 8, &memory.with(self.bytes()))?;
+
+        let camera = camera(scene, &args.camera)?;
+        let lights = lights(scene, &camera, &args.lighting);
+        let start = Instant::now();
+        let settings = Settings { mark_supersampled: mark, ..settings(scene, &camera, args)? };
+        // Materials are matched at each hit, which costs nothing measurable.
+        let counters = with_tracer!(scene.geometry, &self.trees, tracer => {
+            let (palette, materials) = (&scene.palette[..], scene.looks());
+            let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
+            in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
+        });
+        let effects = [
+            ("highlights", !lights.is_empty() && scene.palette.iter().any(has_highlight)),
+            ("shadows", lights.iter().any(|light| light.shadow)),
+        ];
+        Ok(Picture {
+            width,
+            height,
+            samples: settings.samples.count(),
+            pixels,
+            rays: Rays::of(&counters),
+            hits: counters.hits,
+            supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
+            effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
+            derive: self.time,
+            trace: start.elapsed(),
+        })
+    }
 }
 
 /// Room for a number per pixel; each pixel will need `bytes` in all.
@@ -169,14 +210,13 @@ pub fn lights(scene: &Shown<'_>, camera: &Camera, args: &LightingArgs) -> Vec<Li
     args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color, shadow }).collect()
 }
 
-/// How the picture is made.
-pub fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
+fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
     Ok(Settings {
         width: args.size[0],
         height: args.size[1],
         samples: args.samples()?,
         supersample: args.supersample(scene.geometry, camera),
-        normals: args.normals.kind(&scene.materials)?,
+        normals: args.normals.kind(scene.has_normals())?,
         arithmetic: args.arithmetic.kind(),
         ambient: args.lighting.ambient,
         ..Settings::default()
@@ -188,7 +228,12 @@ impl<'a> Shown<'a> {
     pub fn of(scene: &Scene<'a>) -> Shown<'a> {
         let Scene { grid, bounds, up, geometry, materials, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
-        Shown { grid, bounds, up, geometry, materials, palette }
+        Shown { grid, bounds, up, geometry, materials, palette, lod: None }
+    }
+
+    /// The voxels' materials.
+    pub fn looks(&self) -> Looks<'a> {
+        Looks { materials: self.materials, lod: self.lod }
     }
 
     /// Whether voxels have normals of their own.

@@ -13,6 +13,7 @@ pub struct Quality {
     pub supersample: SupersampleArg,
     pub normals: NormalsArg,
     pub arithmetic: ArithmeticArg,
+    pub lod: u8,
 }
 
 impl Default for Quality {
@@ -23,6 +24,7 @@ impl Default for Quality {
             supersample: SupersampleArg::All,
             normals: NormalsArg::default(),
             arithmetic: ArithmeticArg::default(),
+            lod: 0,
         }
     }
 }
@@ -30,8 +32,9 @@ impl Default for Quality {
 impl Quality {
     /// The picture of `args` in this quality.
     pub fn apply(self, args: &PictureArgs) -> PictureArgs {
-        let Quality { samples, supersample, normals, arithmetic } = self;
-        PictureArgs { samples: Some(samples), supersample: Some(supersample), normals, arithmetic, ..args.clone() }
+        let Quality { samples, supersample, normals, arithmetic, lod } = self;
+        let (samples, supersample) = (Some(samples), Some(supersample));
+        PictureArgs { samples, supersample, normals, arithmetic, lod, ..args.clone() }
     }
 
     /// The flags that give it; those of the default are left out but for the samples.
@@ -49,6 +52,9 @@ impl Quality {
         }
         if self.arithmetic != usual.arithmetic {
             flags += &format!(" --arithmetic {}", name(self.arithmetic));
+        }
+        if self.lod != usual.lod {
+            flags += &format!(" --lod {}", self.lod);
         }
         flags
     }

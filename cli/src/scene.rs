@@ -17,9 +17,8 @@ use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::trace::{Top, TopBuf, Tracer};
+use voxdag::trace::{TopBuf, Tracer};
 use voxdag::voxelize::{Cover, VoxelizeError};
-use voxdag::wide::WideBuf;
 use voxdag::{Dag, Material, Mesh};
 
 use crate::error::{Error, Kind, Result};
@@ -32,6 +31,7 @@ use crate::picture::Shown;
 use crate::progress::Progress;
 use crate::report::{self, grouped, size, triple};
 use crate::stats;
+use crate::trees;
 
 /// Voxels along the longest axis where nobody says otherwise.
 const DEFAULT_RESOLUTION: u32 = 512;
@@ -363,6 +363,7 @@ impl Built {
             geometry: self.layout.geometry(),
             materials: self.voxel_materials(),
             palette: self.materials.clone(),
+            lod: None,
         }
     }
 
@@ -418,12 +419,9 @@ pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
-/// Cells along an axis of the top grid, as a power of two: 32^3 of them take 1 MiB and are made in some 10 ms.
-pub const TOP_BITS: u8 = 5;
-
 /// The grid that makes rays faster; it pays for itself after some thousand of them.
 pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
-    TopBuf::new(&geometry, TOP_BITS)
+    TopBuf::new(&geometry, trees::TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
@@ -431,49 +429,6 @@ pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
 pub fn tracer<'a, G: Geometry>(geometry: G, top: impl Into<Option<&'a TopBuf>>) -> Tracer<'a, G> {
     top.into().and_then(|top| Tracer::with_top(geometry, top.as_top())).unwrap_or(Tracer::new(geometry))
 }
-
-/// The tree that makes many rays at once faster, within what the memory limit leaves; `None` if there is no room.
-pub fn wide(geometry: &impl Geometry, memory: &Memory) -> Option<WideBuf> {
-    // While it is made, it takes up to twice as much.
-    let limit = memory.left().map_or(usize::MAX, |left| usize::try_from(left / 2).unwrap_or(usize::MAX));
-    WideBuf::new(geometry, limit).ok()
-}
-
-/// The largest top grid, of at most `2^bits` cells along an axis, that the memory limit leaves room for; that of a wide
-/// tree is one for many rays at once. `None` if there is no room at all.
-pub fn top_within(geometry: &impl Geometry, bits: u8, memory: &Memory) -> Option<TopBuf> {
-    let left = memory.left().unwrap_or(u64::MAX);
-    let fits = |&bits: &u8| 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64 <= left;
-    let (bits, step) = match geometry.wide_words() {
-        Some(_) => (Top::bits_for_packets(geometry, bits), 2),
-        None => (bits.min(Top::most_bits(geometry)), 1),
-    };
-    (0..=bits).rev().step_by(step).filter(fits).find_map(|bits| TopBuf::new(geometry, bits).ok())
-}
-
-/// Runs the same expression with what answers rays of an [`AnyGeometry`]: many at once over its wide tree, or where
-/// there is no room or no use for that, one by one over what it is, with the vectors for normals. Derived data takes what the [`Memory`] leaves.
-macro_rules! with_tracer {
-    ($geometry:expr, $memory:expr, $tracer:ident => $body:expr) => {{
-        let (geometry, memory) = ($geometry, $memory);
-        let level = voxdag::simd::Level::best();
-        match level.and_then(|_| voxdag::match_geometry!(geometry, g => $crate::scene::wide(&g, memory))) {
-            Some(wide) => {
-                let wide = wide.as_wide();
-                let rest = memory.with(wide.bytes() as u64);
-                let top = $crate::scene::top_within(&wide, $crate::scene::TOP_BITS, &rest);
-                let $tracer = $crate::scene::tracer(wide, top.as_ref()).with_level(level);
-                $body
-            }
-            None => voxdag::match_geometry!(geometry, g => {
-                let top = $crate::scene::top_within(&g, $crate::scene::TOP_BITS, memory);
-                let $tracer = $crate::scene::tracer(g, top.as_ref()).with_level(level);
-                $body
-            }),
-        }
-    }};
-}
-pub(crate) use with_tracer;
 
 /// What a mesh takes in memory.
 fn bytes_of(mesh: &Mesh<'_>) -> u64 {
@@ -555,39 +510,4 @@ fn write_words(words: &[u32], mut file: impl Write) -> std::io::Result<()> {
         file.write_all(&piece)?;
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use voxdag::Morton;
-    use voxdag::build::DagBuilder;
-    use voxdag::simd::Level;
-
-    #[test]
-    fn what_makes_rays_faster_stays_within_the_limit() {
-        // Bricks on the diagonal of a cube of 2^9 voxels a side.
-        let mut builder = DagBuilder::new(9).unwrap();
-        (0..128).for_each(|k| builder.push(Morton::encode([4 * k; 3]).unwrap(), 1).unwrap());
-        let dag = builder.finish().unwrap();
-        let dag = dag.dag();
-
-        let tree = wide(&dag, &Memory::new(None)).unwrap();
-        let bytes = tree.as_wide().bytes() as u64;
-        assert!(wide(&dag, &Memory::new(Some(2 * bytes))).is_some());
-        assert!(wide(&dag, &Memory::new(Some(2 * bytes + 99)).with(100)).is_none());
-
-        // Smaller grids where there is less room; those of a wide tree all serve many rays at once.
-        for bits in 0..=TOP_BITS {
-            let left = 4 * (Top::words_for(bits) + Top::scratch_for(bits)) as u64;
-            let memory = Memory::new(Some(left));
-            assert!(top_within(&dag, TOP_BITS, &memory).is_some());
-            assert!(top_within(&dag, TOP_BITS, &memory.with(left)).is_none());
-            // At depth 9 the cells of a grid of one are of odd level.
-            let top = top_within(&tree.as_wide(), TOP_BITS, &memory);
-            assert_eq!(top.is_some(), bits >= 1);
-            let many = tracer(tree.as_wide(), top.as_ref()).with_level(Level::best());
-            assert_eq!(many.packet_level().is_some(), bits >= 1 && Level::best().is_some());
-        }
-    }
 }

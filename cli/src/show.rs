@@ -2,7 +2,7 @@
 //! colour of each ray. Colours are those of the file, no light; black is a ray that met nothing.
 
 use std::ops::RangeInclusive;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use serde::Serialize;
@@ -15,6 +15,7 @@ use voxdag::normal;
 use voxdag::render::{Counters, each_pixel};
 use voxdag::trace::{Face, Hit, Query, Tracer};
 
+use crate::detail::Detail;
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::options::PictureArgs;
@@ -58,19 +59,21 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
         }
     }
     let start = Instant::now();
-    let (geometry, normals) = (shown.geometry, args.normals.kind(&shown.materials)?);
+    let (detail, memory) = detailed(shown, args, memory)?;
+    let (shown, memory) = (&detail.of(shown), &memory);
+    let (geometry, normals) = (shown.geometry, args.normals.kind(shown.has_normals())?);
     // Pixels, the encoder's bytes, and the numbers.
     let mut pixels = picture::room(args.size, 12, memory)?;
     let mut values = Vec::new();
     let counters = match show {
         Show::Normals => look(shown, args, &mut pixels, |tracer, query, hit, _| match hit {
             Some(hit) => {
-                rgba(normal::normal(tracer, shown.materials, hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
+                rgba(normal::normal(tracer, shown.looks(), hit, query.dir, normals).direction.map(|n| n * 0.5 + 0.5))
             }
             None => BLACK,
         })?,
         Show::Material => look(shown, args, &mut pixels, |_, _, hit, _| {
-            hit.map_or(BLACK, |hit| material_colour(shown.materials.id(hit.voxel)))
+            hit.map_or(BLACK, |hit| material_colour(shown.looks().id(hit.voxel)))
         })?,
         _ => {
             values = picture::room(args.size, 12, memory)?;
@@ -97,18 +100,37 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
     let [width, height] = args.size;
     let rays = Rays { primary: counters.primary, shadow: 0, secondary: 0 };
     let (hits, trace) = (counters.hits, start.elapsed());
-    let picture =
-        Picture { width, height, samples: 1, pixels, rays, hits, supersampled: 0.0, effects: Vec::new(), trace };
+    let picture = Picture {
+        width,
+        height,
+        samples: 1,
+        pixels,
+        rays,
+        hits,
+        supersampled: 0.0,
+        effects: Vec::new(),
+        derive: Duration::ZERO,
+        trace,
+    };
     Ok((picture, spread))
 }
 
 /// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is
 /// nothing.
 pub fn depths(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<f32>> {
+    let (detail, memory) = detailed(shown, args, memory)?;
+    let (shown, memory) = (&detail.of(shown), &memory);
     // The picture is there as well.
     let mut depths = picture::room(args.size, 12, memory)?;
     look(shown, args, &mut depths, |_, query, hit, _| distance(shown, query, hit))?;
     Ok(depths)
+}
+
+/// The level of detail that the flags ask for, and the account with it.
+fn detailed(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<(Detail, Memory)> {
+    let detail = Detail::new(shown, args.lod, memory)?;
+    let memory = memory.with(detail.bytes());
+    Ok((detail, memory))
 }
 
 /// Fills `out` with what `see` makes of each pixel's ray, its hit and the rounds of its walk.

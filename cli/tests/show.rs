@@ -103,3 +103,31 @@ fn depths_are_distances_bottom_row_first() {
     assert!(s.read("out.png") == with);
     s.run("render two.vxd -o out.png --depth-out out.txt").fails(2, &["out.txt", ".pfm"]);
 }
+
+/// What `--lod` draws is the scene that the coarser voxels make, each with the material of its first one.
+#[test]
+fn levels_of_detail_are_scenes_of_larger_voxels() {
+    let s = Sandbox::new();
+    s.scene("fine.vxd", GRID, &[([1, 2, 3], 1), ([0, 3, 3], 2), ([1, 0, 1], 2), ([3, 3, 0], 0)]);
+    let coarse = voxdag::Grid { voxel_size: 1.0, resolution: 2, ..GRID };
+    s.scene("coarse.vxd", coarse, &[([0, 1, 1], 1), ([0, 0, 0], 2), ([1, 1, 0], 0)]);
+    let flags = "--size 40x30 --supersample near --samples 4 --shadows";
+    let fine = s.ok(&format!("render fine.vxd -o fine.png {flags}"));
+    assert!(fine.stdout.contains("4 voxels along the longest axis\n"));
+    let drawn = s.ok(&format!("render fine.vxd -o lod.png {flags} --lod 1 --json")).json();
+    assert_eq!([&drawn["resolution"], &drawn["lod"]], [4, 1]);
+    s.ok(&format!("render coarse.vxd -o coarse.png {flags}"));
+    assert!(s.read("lod.png") == s.read("coarse.png") && s.read("lod.png") != s.read("fine.png"));
+    for what in ["normals", "depth", "level", "material"] {
+        s.ok(&format!("render fine.vxd -o lod.png --size 40x30 --lod 1 --show {what} --depth-out lod.pfm"));
+        s.ok(&format!("render coarse.vxd -o coarse.png --size 40x30 --show {what} --depth-out coarse.pfm"));
+        assert!(s.read("lod.png") == s.read("coarse.png"), "{what}");
+        assert!(s.read("lod.pfm") == s.read("coarse.pfm"), "{what}");
+    }
+    let text = s.ok("render fine.vxd -o lod.png --size 40x30 --lod 2").stdout;
+    assert!(text.contains("4 voxels along the longest axis, drawn as 1"), "{text}");
+    for too_much in [3, 20] {
+        let refused = s.run(&format!("render fine.vxd -o lod.png --lod {too_much}"));
+        assert!(refused.code == 2 && refused.stderr.contains("take 0 to 2"), "{}", refused.stderr);
+    }
+}

@@ -74,6 +74,8 @@ pub mod ranked;
 
 pub mod materials;
 
+pub mod lod;
+
 #[cfg(feature = "alloc")]
 pub mod scene;
 

@@ -136,7 +136,7 @@ pub fn run(args: &Args) -> Result<()> {
         tracer: scene::tracer(scene.geometry, &top),
         space: args.space,
         arithmetic: args.arithmetic,
-        normals: args.normals.kind(&scene.materials)?,
+        normals: args.normals.kind(scene.materials.has_normals())?,
     };
 
     let begin = Instant::now();

@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Result<()> {
             voxelize: ms(voxelize),
             reduce: ms(reduce),
             materials: ms(materials),
-            trace: ms(picture.trace),
+            trace: ms(picture.derive + picture.trace),
             total: ms(start.elapsed()),
         },
         peak_rss_bytes: stats::peak_rss_bytes(),
@@ -131,6 +131,7 @@ pub fn view() -> PictureArgs {
         samples: None,
         supersample: None,
         arithmetic: ArithmeticArg::default(),
+        lod: 0,
     }
 }
 

@@ -62,8 +62,10 @@ struct Report<'a> {
     supersample: String,
     /// Their share, where they take more than one.
     supersampled: f64,
-    /// Of the voxels.
+    /// Of the scene's voxels.
     resolution: u32,
+    /// How often it was halved to draw.
+    lod: u8,
     rays: Rays,
     /// Primary rays that hit a voxel.
     hits: u64,
@@ -80,6 +82,8 @@ struct Report<'a> {
 
 #[derive(Serialize)]
 struct Ms {
+    /// Making what rays go through: the level of detail, trees.
+    derive: f64,
     /// Following rays and shading.
     trace: f64,
     /// From the start of the program to the finished file.
@@ -118,7 +122,7 @@ pub fn run(args: &Args) -> Result<()> {
         output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
     }
 
-    let Picture { width, height, rays, hits, ref effects, trace, .. } = picture;
+    let Picture { width, height, rays, hits, ref effects, derive, trace, .. } = picture;
     let report = Report {
         width,
         height,
@@ -126,9 +130,10 @@ pub fn run(args: &Args) -> Result<()> {
         supersample: args.picture.supersample.unwrap_or(SupersampleArg::All).to_string(),
         supersampled: picture.supersampled,
         resolution: grid.resolution,
+        lod: args.picture.lod,
         rays,
         hits,
-        ms: Ms { trace: ms(trace), total: ms(start.elapsed()) },
+        ms: Ms { derive: ms(derive), trace: ms(trace), total: ms(start.elapsed()) },
         effects,
         shown,
         show: args.show,
@@ -179,10 +184,14 @@ fn lines(report: &Report<'_>) -> Lines {
         "all" => "pixel".to_owned(),
         which => format!("pixel in {:.1} % of them ({which})", 100.0 * report.supersampled),
     };
+    let mut resolution = format!("{} voxels along the longest axis", grouped(report.resolution.into()));
+    if report.lod > 0 {
+        resolution += &format!(", drawn as {}", grouped(report.resolution.div_ceil(1 << report.lod).into()));
+    }
     let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
     lines
         .row("picture", format!("{}x{}, {} samples per {pixels}", report.width, report.height, report.samples))
-        .row("resolution", format!("{} voxels along the longest axis", grouped(report.resolution.into())))
+        .row("resolution", resolution)
         .row("rays", report.rays.text())
         .row("hits", format!("{} ({share:.1} %)", grouped(report.hits)))
         .row("effects", effects);
@@ -196,7 +205,10 @@ fn lines(report: &Report<'_>) -> Lines {
         lines.row(label, format!("{min} to {max}, mean {mean}: {colours}"));
     }
     lines
-        .row("time", format!("{}: trace {}", time(report.ms.total), time(report.ms.trace)))
+        .row(
+            "time",
+            format!("{}: derive {}, trace {}", time(report.ms.total), time(report.ms.derive), time(report.ms.trace)),
+        )
         .row("memory", report::peak(report.peak_rss_bytes))
         .row("threads", report.threads.to_string());
     lines

@@ -5,7 +5,6 @@ use std::fmt;
 use clap::{Args, ValueEnum};
 use voxdag::camera::Camera;
 use voxdag::geometry::Geometry;
-use voxdag::materials::AnyMaterials;
 use voxdag::normal::NormalKind;
 use voxdag::render::{Samples, Supersample};
 use voxdag::trace::Arithmetic;
@@ -111,6 +110,10 @@ pub struct PictureArgs {
     /// How rays are followed
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
+
+    /// Level of detail: voxels 2^L times as large, of which one is filled if anything in it is
+    #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=20))]
+    pub lod: u8,
 }
 
 impl LightingArgs {
@@ -224,9 +227,8 @@ pub enum NormalsArg {
 }
 
 impl NormalsArg {
-    /// The core's name for it, if the scene's materials can give it.
-    pub fn kind(self, materials: &AnyMaterials<'_>) -> Result<NormalKind, Error> {
-        let stored = materials.has_normals();
+    /// The core's name for it, if the scene can give it: whether its materials have `stored` normals.
+    pub fn kind(self, stored: bool) -> Result<NormalKind, Error> {
         Ok(match self {
             NormalsArg::Face => NormalKind::Face,
             NormalsArg::Stored if stored => NormalKind::Stored,

@@ -17,7 +17,7 @@ use super::Met;
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::picture::{Shown, in_bands, room};
-use crate::scene::with_tracer;
+use crate::trees::{Trees, with_tracer};
 
 /// How a set of deviations spreads.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
@@ -47,7 +47,7 @@ type Seen = Option<(f64, [f32; 3])>;
 /// Compares what `truth` says of each pixel with what voxels show by this kind of normals and arithmetic.
 pub fn shape_errors(
     truth: &[Option<Met>],
-    shown: &Shown<'_>,
+    (shown, trees): (&Shown<'_>, &Trees),
     camera: &Camera,
     size: [u32; 2],
     (kind, arithmetic): (NormalKind, Arithmetic),
@@ -56,7 +56,7 @@ pub fn shape_errors(
     let mut seen: Vec<Seen> = room(size, (size_of::<Seen>() + 2 * size_of::<f64>()) as u64, memory)?;
     let rays = camera.rays(size[0], size[1]).map_err(Error::usage)?;
     let eye = shown.grid.to_grid(camera.eye);
-    with_tracer!(shown.geometry, memory, tracer => in_bands("comparing", size, &mut seen, |rows, out| {
+    with_tracer!(shown.geometry, trees, tracer => in_bands("comparing", size, &mut seen, |rows, out| {
         for (y, row) in rows.zip(out.chunks_exact_mut(size[0] as usize)) {
             for (piece, out) in row.chunks_mut(PIECE).enumerate() {
                 let x = |i: usize| (piece * PIECE + i) as f64 + 0.5;
@@ -85,7 +85,7 @@ fn see<G: Geometry>(
     tracer.trace_tile(arithmetic, rays, &mut hits);
     for ((place, hit), out) in rays.places.iter().zip(hits).zip(out) {
         *out = hit.map(|hit: Hit| {
-            let normal = normal::normal(tracer, shown.materials, &hit, rays.direction(*place), kind);
+            let normal = normal::normal(tracer, shown.looks(), &hit, rays.direction(*place), kind);
             (hit.t * shown.grid.voxel_size, normal.direction)
         });
     }

@@ -141,6 +141,11 @@ impl<'a> Top<'a> {
         self.level + self.bits == geometry.depth().max(BRICK_LEVEL) && self.words.iter().all(|&word| known(word))
     }
 
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.words)
+    }
+
     /// Its words.
     #[inline(always)]
     pub(super) fn words(&self) -> &'a [u32] {

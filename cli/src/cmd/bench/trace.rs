@@ -14,6 +14,7 @@ use crate::memory::Memory;
 use crate::picture::{self, Shown};
 use crate::report::{self, Lines, grouped, size};
 use crate::scene;
+use crate::trees;
 
 #[derive(clap::Args)]
 pub struct Args {
@@ -174,10 +175,10 @@ fn with<G: Geometry>(args: &Args, scene: &Shown<'_>, geometry: G) -> Result<()> 
     let top = rays::top_grid(geometry)?;
     let one = rays::tracer(geometry, &top)?;
     let memory = Memory::new(None);
-    let Some((level, wide)) = args.level().and_then(|level| Some((level, scene::wide(&geometry, &memory)?))) else {
+    let Some((level, wide)) = args.level().and_then(|level| Some((level, trees::wide(&geometry, &memory)?))) else {
         return compare(&args.run, scene, &one, &one);
     };
-    let top = scene::top_within(&wide.as_wide(), rays::TOP_BITS, &memory);
+    let top = trees::top_within(&wide.as_wide(), rays::TOP_BITS, &memory);
     compare(&args.run, scene, &one, &scene::tracer(wide.as_wide(), top.as_ref()).with_level(Some(level)))
 }
 
@@ -229,7 +230,7 @@ fn compare<G: Geometry, W: Geometry>(
             packets::nearest(many, &random, fold),
             each(*one, Arithmetic::Exact, &random, fold),
             Arm::pieces(1, |_| rays::top_grid(geometry).is_ok().into()),
-            Arm::pieces(is_wide.into(), |_| scene::wide(&geometry, &Memory::new(None)).is_some().into()),
+            Arm::pieces(is_wide.into(), |_| trees::wide(&geometry, &Memory::new(None)).is_some().into()),
         ],
     )?;
 

@@ -159,7 +159,7 @@ pub fn run<'a>(
                 continue;
             }
             let picture = one(configuration, false)?;
-            times[i].push(ms(picture.trace));
+            times[i].push(ms(picture.derive + picture.trace));
             if run == 0 && configuration.shown {
                 pictures.push((configuration.name, picture));
             }

@@ -21,8 +21,9 @@ use crate::measure::{Arm, Spread, Times, measure};
 use crate::memory::Memory;
 use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs};
 use crate::picture::{self, Picture, Shown};
-use crate::scene::{self, Source, Voxels, with_tracer};
+use crate::scene::{self, Source, Voxels};
 use crate::stats::{self, ms};
+use crate::trees::{Trees, with_tracer};
 
 /// What is measured.
 pub struct Subject<'a> {
@@ -113,6 +114,7 @@ pub fn run(
             geometry: layout.geometry(),
             materials,
             palette: palette.clone(),
+            lod: None,
         })
     };
     sizes(subject, report, &kept)?;
@@ -308,7 +310,8 @@ fn look_ups(
 fn hits(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<Morton>> {
     let queries = picture::primary(shown, &args.camera, args.size)?;
     let mut hits = vec![None; queries.len()];
-    with_tracer!(shown.geometry, memory, tracer => tracer.trace_many(Arithmetic::Exact, &queries, &mut hits));
+    let trees = Trees::new(shown.geometry, memory);
+    with_tracer!(shown.geometry, &trees, tracer => tracer.trace_many(Arithmetic::Exact, &queries, &mut hits));
     Ok(hits.into_iter().flatten().map(|hit| hit.voxel).collect())
 }
 

@@ -166,6 +166,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             samples: None,
             supersample: None,
             arithmetic: ArithmeticArg::default(),
+            lod: 0,
         };
         for &resolution in &resolutions {
             progress.say(visible(&format!("{name} at {resolution}")));
