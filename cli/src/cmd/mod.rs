@@ -1,5 +1,6 @@
 //! The subcommands, one file each: its flags, its run, its report.
 
+pub mod accuracy;
 pub mod bench;
 pub mod build;
 pub mod cast;

@@ -12,7 +12,7 @@ mod shapes;
 pub use draw::{Lit, draw, look};
 pub use errors::{Deviations, ShapeErrors, shape_errors};
 pub use mesh::MeshTruth;
-pub use shapes::{Closed, Known};
+pub use shapes::Known;
 
 use voxdag::material::MaterialId;
 use voxdag::math;
