@@ -1,8 +1,8 @@
 //! Pictures of the surfaces themselves, by the camera, the light, the places of samples, the means and the rounding of
 //! [`voxdag::render`]: what differs from a picture of voxels is the surface, not how it is drawn.
 //!
-//! Shadow rays start above the surface by 2^-26 of the whole's extent: far below a voxel, far above f64's rounding. Light
-//! from behind a triangle does not reach it, also where its interpolated normal says otherwise.
+//! Shadow rays start above the surface by 2^-26 of the whole's extent: far below a voxel, far above f64's rounding.
+//! Light from behind a triangle does not reach it, also where its interpolated normal says otherwise.
 
 use std::ops::Range;
 

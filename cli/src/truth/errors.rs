@@ -1,9 +1,10 @@
-//! How far the shape of voxels is off, pixel by pixel: one ray through each pixel's centre, by the camera of the picture.
+//! How far the shape of voxels is off, pixel by pixel: one ray through each pixel's centre, by the camera of the
+//! picture.
 //!
-//! In: what the rays meet in truth ([`look`](super::look)), and the voxels. Out: pixels that show something where there is
-//! nothing or nothing where there is something; and of those that show something in both, how far its distance and its
-//! direction are off. Where a silhouette lets one ray pass another surface is seen, far behind: that counts as what it is,
-//! so the largest depth error tells of silhouettes and the mean and the 95 % of surfaces.
+//! In: what the rays meet in truth ([`look`](super::look)), and the voxels. Out: pixels that show something where there
+//! is nothing or nothing where there is something; and of those that show something in both, how far its distance and
+//! its direction are off. Where a silhouette lets one ray pass another surface is seen, far behind: that counts as what
+//! it is, so the largest depth error tells of silhouettes and the mean and the 95 % of surfaces.
 
 use serde::Serialize;
 use voxdag::camera::{Camera, Rays};

@@ -1,13 +1,14 @@
 //! Surfaces that have a formula, and the meshes that are voxelised for them.
 //!
-//! In: a name. Out: the surface in closed form, and a source of triangles that is so close to it that the difference is no
-//! matter beside a voxel: the plane and the wall are the same but for rounding, the sphere is off by less than 0.02 and the torus by
-//! less than 0.02 voxels at a resolution of 2048. All stand upright for a camera that looks down on them, y upwards.
+//! In: a name. Out: the surface in closed form, and a source of triangles that is so close to it that the difference is
+//! no matter beside a voxel: the plane and the wall are the same but for rounding, the sphere is off by less than 0.02
+//! and the torus by less than 0.02 voxels at a resolution of 2048. All stand upright for a camera that looks down on
+//! them, y upwards.
 //!
-//! The torus is a quartic of the ray. It is taken about the ray's point nearest to the middle, where it has no cubic term and
-//! all roots lie within the ball around the torus; they are found between the roots of its derivative, which are found between
-//! those of the second, by Newton's steps that bisection keeps from leaving (Press et al., Numerical Recipes, section 9.4). So
-//! each piece is monotone, has one root at most, and none is missed.
+//! The torus is a quartic of the ray. It is taken about the ray's point nearest to the middle, where it has no cubic
+//! term and all roots lie within the ball around the torus; they are found between the roots of its derivative, which
+//! are found between those of the second, by Newton's steps that bisection keeps from leaving (Press et al., Numerical
+//! Recipes, section 9.4). So each piece is monotone, has one root at most, and none is missed.
 
 use clap::ValueEnum;
 use voxdag::Material;
@@ -95,7 +96,8 @@ impl Known {
         }
     }
 
-    /// The mesh that is voxelised for it, as if it had been read; in a grey with a highlight, which shows what normals do.
+    /// The mesh that is voxelised for it, as if it had been read; in a grey with a highlight, which shows what normals
+    /// do.
     pub fn source(self) -> Source {
         let Shape { positions, triangles } = self.shape();
         let material = Material { specular: [0.4; 3], shininess: 30, illum: 2, ..Material::GREY };
@@ -248,8 +250,8 @@ impl Line {
     }
 }
 
-/// The roots of a function, ascending, that is monotone from `from` to the first of `stops`, and on to each next one; each
-/// value is given with the slope. Stops outside of `span` are taken at its ends.
+/// The roots of a function, ascending, that is monotone from `from` to the first of `stops`, and on to each next one;
+/// each value is given with the slope. Stops outside of `span` are taken at its ends.
 struct Roots<F, I> {
     f: F,
     from: f64,
