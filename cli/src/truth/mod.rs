@@ -7,7 +7,6 @@
 mod draw;
 mod errors;
 mod mesh;
-#[cfg(test)]
 mod shapes;
 
 pub use draw::{Lit, draw, look};
