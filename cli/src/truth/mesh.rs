@@ -1,13 +1,14 @@
 //! Rays against the triangles of a mesh.
 //!
-//! In: a mesh that was validated. Out: the nearest triangle, decided in f64 for the corners as they are in the file. The
-//! boxes around the triangles and the walk through them are the library's, in f32: rays start and boxes are padded
+//! In: a mesh that was validated. Out: the nearest triangle, decided in f64 for the corners as they are in the file.
+//! The boxes around the triangles and the walk through them are the library's, in f32: rays start and boxes are padded
 //! so that the walk never misses what the ray meets (see [`PAD`]).
 //!
-//! The test is that of Woop, Benthin and Wald (2013, "Watertight Ray/Triangle Intersection"), with f64 for their f32: the
-//! corners are sheared along the ray into a plane, each the same for all triangles that share it, and the signs of three edge
-//! functions decide. `a b - c d` of rounded products has the sign of the true one or is 0, and 0 counts as inside: no ray
-//! passes between two triangles. Of triangles met at one time the first of the file counts, however the boxes lie.
+//! The test is that of Woop, Benthin and Wald (2013, "Watertight Ray/Triangle Intersection"), with f64 for their f32:
+//! the corners are sheared along the ray into a plane, each the same for all triangles that share it, and the signs of
+//! three edge functions decide. `a b - c d` of rounded products has the sign of the true one or is 0, and 0 counts as
+//! inside: no ray passes between two triangles. Of triangles met at one time the first of the file counts, however the
+//! boxes lie.
 
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -20,9 +21,10 @@ use super::{Met, Truth, facing, towards_viewer};
 use crate::error::Result;
 use crate::memory::Memory;
 
-/// How far boxes reach beyond their triangles, where the mesh's box reaches from -1 to 1. Rays start at most 2 sqrt(2) from
-/// the middle and end within 4 of their start; so what rounding to f32 does to the start, the direction, its inverse (the
-/// library takes components below 2^-23 for that) and the distances moves a box's sides by less than 2^-19.
+/// How far boxes reach beyond their triangles, where the mesh's box reaches from -1 to 1. Rays start at most 2 sqrt(2)
+/// from the middle and end within 4 of their start; so what rounding to f32 does to the start, the direction, its
+/// inverse (the library takes components below 2^-23 for that) and the distances moves a box's sides by less than
+/// 2^-19.
 const PAD: f64 = 1.0 / (1 << 17) as f64;
 /// Radius of a ball around the middle that holds the mesh's box, and a little more.
 const BALL: f64 = 2.0;
