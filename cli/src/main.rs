@@ -2,7 +2,7 @@
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
 //! `memory` (the limit), `scene`, `layout`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
-//! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
+//! programs' files), `measure`, `metrics` (errors of pictures), `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
 mod cmd;
@@ -55,6 +55,7 @@ enum Command {
     Verify(cmd::verify::Args),
     Cast(cmd::cast::Args),
     Export(cmd::export::Args),
+    Compare(cmd::compare::Args),
     Bench(cmd::bench::Args),
     Thesis(cmd::thesis::Args),
     Selftest(cmd::selftest::Args),
@@ -72,6 +73,7 @@ fn main() {
         Command::Verify(args) => cmd::verify::run(&args),
         Command::Cast(args) => cmd::cast::run(&args),
         Command::Export(args) => cmd::export::run(&args),
+        Command::Compare(args) => cmd::compare::run(&args),
         Command::Bench(args) => cmd::bench::run(&args),
         Command::Thesis(args) => cmd::thesis::run(&args),
         Command::Selftest(args) => cmd::selftest::run(&args),
