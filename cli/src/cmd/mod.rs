@@ -4,6 +4,7 @@ pub mod accuracy;
 pub mod bench;
 pub mod build;
 pub mod cast;
+pub mod compare;
 pub mod completions;
 pub mod demo;
 pub mod export;
