@@ -2,6 +2,12 @@
 
 use std::time::{Duration, Instant};
 
+use peak_alloc::PeakAlloc;
+
+/// The system's heap, which keeps count.
+#[global_allocator]
+static HEAP: PeakAlloc = PeakAlloc;
+
 /// Runs `work` and gives its result and how long it took.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
@@ -16,21 +22,15 @@ pub fn ms(time: Duration) -> f64 {
 
 /// The most memory this process ever held, in bytes; `None` where the system has no `/proc/self/status`.
 pub fn peak_rss_bytes() -> Option<u64> {
-    status("VmHWM:")
-}
-
-/// Runs `work` and gives its result and the most memory that it took beside what was held before; `None` where the system
-/// does not tell. What [`peak_rss_bytes`] says later begins with this work.
-pub fn peak_of<T>(work: impl FnOnce() -> T) -> (T, Option<u64>) {
-    // Linux forgets the peak so far when it is told 5 (proc_pid_clear_refs(5)).
-    let before = std::fs::write("/proc/self/clear_refs", "5").ok().and_then(|()| status("VmRSS:"));
-    let result = work();
-    (result, before.and_then(|before| peak_rss_bytes()?.checked_sub(before)))
-}
-
-/// A line of `/proc/self/status` in bytes.
-fn status(name: &str) -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix(name))?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
+}
+
+/// Runs `work` and gives its result and the most memory, in bytes, that it took from the heap beside what was held before.
+pub fn peak_of<T>(work: impl FnOnce() -> T) -> (T, u64) {
+    let before = HEAP.current_usage();
+    HEAP.reset_peak_usage();
+    let result = work();
+    (result, HEAP.peak_usage().saturating_sub(before) as u64)
 }

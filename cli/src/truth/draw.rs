@@ -121,7 +121,8 @@ fn shaded(truth: &(impl Truth + ?Sized), met: &Met, point: [f64; 3], light: &Lig
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Closed, Known, MeshTruth};
+    use super::super::shapes::Closed;
+    use super::super::{Known, MeshTruth};
     use super::*;
     use crate::options::{BuildArgs, PictureArgs};
     use crate::scene;
@@ -236,7 +237,7 @@ mod tests {
         let camera = crate::picture::camera(&shown, &args.camera).unwrap();
         let lights = [camera.headlight(shown.bounds.radius())];
         let background = Settings::default().background;
-        let lit = Lit { palette: &shown.palette, camera, lights: &lights, ambient: args.ambient, background };
+        let lit = Lit { palette: &shown.palette, camera, lights: &lights, ambient: args.lighting.ambient, background };
         let truth = draw(&Known::Torus.closed(), &lit, args.size, Samples::Sixteen, &memory).unwrap();
         let squares: Vec<_> = truth
             .iter()

@@ -23,6 +23,8 @@ use crate::trees::{Trees, with_tracer};
 /// How a set of deviations spreads.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Deviations {
+    /// Half of them are at most this.
+    pub median: f64,
     pub mean: f64,
     /// 95 % of them are at most this.
     pub p95: f64,
@@ -124,13 +126,15 @@ impl Deviations {
         let max = *values.last()?;
         // The smallest value that 95 % do not exceed.
         let p95 = values[(values.len() * 19).div_ceil(20) - 1];
-        Some(Deviations { mean: values.iter().sum::<f64>() / values.len() as f64, p95, max })
+        let median = values[values.len().div_ceil(2) - 1];
+        Some(Deviations { median, mean: values.iter().sum::<f64>() / values.len() as f64, p95, max })
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Closed, look};
+    use super::super::look;
+    use super::super::shapes::Closed;
     use super::*;
     use crate::options::BuildArgs;
     use crate::scene::{self, Source};
@@ -169,7 +173,9 @@ mod tests {
 
         for arithmetic in [Arithmetic::Exact, Arithmetic::F64, Arithmetic::F32] {
             let how = (NormalKind::Plane2, arithmetic);
-            let errors = shape_errors(&truth, &built.shown(), &camera, size, how, &memory).unwrap();
+            let shown = built.shown();
+            let trees = Trees::new(shown.geometry, &memory);
+            let errors = shape_errors(&truth, (&shown, &trees), &camera, size, how, &memory).unwrap();
             assert_eq!((errors.silhouette, errors.both), (0, count as u64));
             let (depth, normal) = (errors.depth.unwrap(), errors.normal.unwrap());
             let mean = expected.iter().sum::<f64>() / count as f64;

@@ -73,9 +73,6 @@ const PIECES: [u32; 2] = [1024, 512];
 const TORUS: [f64; 2] = [1.0, 0.4];
 
 impl Known {
-    /// All of them.
-    pub const ALL: [Known; 4] = [Known::Sphere, Known::Torus, Known::Plane, Known::Wall];
-
     /// The surface.
     pub fn closed(self) -> Closed {
         match self {
@@ -324,7 +321,7 @@ mod tests {
 
     #[test]
     fn the_meshes_are_within_a_fiftieth_of_a_voxel() {
-        for known in Known::ALL {
+        for known in Known::value_variants().iter().copied() {
             let (closed, shape) = (known.closed(), known.shape());
             let bounds = shape.mesh().validate().unwrap();
             let voxel = bounds.extent() / 2048.0;
@@ -343,7 +340,7 @@ mod tests {
     #[test]
     fn rays_meet_the_formula_where_they_meet_its_mesh() {
         let memory = Memory::new(None);
-        for known in Known::ALL {
+        for known in Known::value_variants().iter().copied() {
             let (closed, source) = (known.closed(), known.source());
             let mesh = source.model.mesh();
             let camera = Camera::framing(&mesh.validate().unwrap(), UpAxis::Y);

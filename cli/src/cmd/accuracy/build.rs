@@ -25,8 +25,8 @@ pub struct Scene {
     textbook: Option<DagBuf>,
     /// Seconds of each time that it was built: from the mesh in memory to the scene in memory.
     pub seconds: Vec<f64>,
-    /// The most memory that building it took beside what was held before; `None` where the system does not tell.
-    pub peak: Option<u64>,
+    /// The most memory that building it took beside what was held before.
+    pub peak: u64,
 }
 
 impl Scene {

@@ -1,13 +1,13 @@
-//! Which settings are worth their time: the Pareto front of error over time, and what to recommend from it.
+//! Which settings are worth their time: the Pareto front of error over cost, and what to recommend from it.
 //!
 //! A setting is on the front if nothing faster is as accurate. The knee is the point of the front that lies farthest below
 //! the line from its fastest to its most accurate point, both scales logarithmic (Satopaa et al. 2011, "Kneedle", without
 //! its smoothing): before it a little time buys much accuracy, after it much time buys little.
 
-/// Time and error of a setting, both above 0.
+/// Cost (time, or bytes) and error of a setting, both above 0.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Point {
-    pub ms: f64,
+    pub cost: f64,
     pub error: f64,
 }
 
@@ -16,7 +16,7 @@ pub struct Point {
 pub fn front(points: &[Point]) -> Vec<usize> {
     let mut order: Vec<_> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
-        points[a].ms.total_cmp(&points[b].ms).then(points[a].error.total_cmp(&points[b].error)).then(a.cmp(&b))
+        points[a].cost.total_cmp(&points[b].cost).then(points[a].error.total_cmp(&points[b].error)).then(a.cmp(&b))
     });
     let mut least = f64::INFINITY;
     order.retain(|&i| {
@@ -32,8 +32,8 @@ pub fn front(points: &[Point]) -> Vec<usize> {
 /// The place in `front` of its knee; 0 where it has fewer than three points.
 pub fn knee(points: &[Point], front: &[usize]) -> usize {
     let at = |place: usize| {
-        let Point { ms, error } = points[front[place]];
-        [libm::log(ms), libm::log(error.max(1e-9))]
+        let Point { cost, error } = points[front[place]];
+        [libm::log(cost), libm::log(error.max(1e-9))]
     };
     let (Some(last), true) = (front.len().checked_sub(1), front.len() >= 3) else { return 0 };
     let ([x0, y0], [x1, y1]) = (at(0), at(last));
@@ -50,7 +50,7 @@ mod tests {
     use super::*;
 
     fn points(list: &[[f64; 2]]) -> Vec<Point> {
-        list.iter().map(|&[ms, error]| Point { ms, error }).collect()
+        list.iter().map(|&[cost, error]| Point { cost, error }).collect()
     }
 
     #[test]
@@ -60,7 +60,7 @@ mod tests {
         assert_eq!(front(&[]), [0usize; 0]);
         // No point that is not on the front is better in both than any that is.
         for (i, p) in all.iter().enumerate() {
-            assert!(front(&all).iter().all(|&k| k == i || !(p.ms < all[k].ms && p.error < 0.98 * all[k].error)));
+            assert!(front(&all).iter().all(|&k| k == i || !(p.cost < all[k].cost && p.error < 0.98 * all[k].error)));
         }
     }
 

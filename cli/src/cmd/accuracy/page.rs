@@ -29,16 +29,37 @@ const AXES: [(Axis, &str); 9] = [
 
 /// The plot that tells most: the error of all settings over their time.
 pub fn front_plot(report: &Report) -> Result<String> {
-    plot(&report.settings.iter().collect::<Vec<_>>(), "RMSE against the mesh, linear light", |s| s.error.rmse)
+    let all: Vec<_> = report.settings.iter().collect();
+    plot(&all, [TIME, "RMSE against the mesh, linear light"], |s| [s.render_ms.median, s.error.rmse])
 }
+
+fn flip_plot(report: &Report) -> Result<String> {
+    let all: Vec<_> = report.settings.iter().collect();
+    plot(&all, [TIME, "FLIP against the mesh, mean"], |s| [s.render_ms.median, s.error.flip.unwrap_or(0.0)])
+}
+
+/// Samples of the same voxels.
+fn sampling_plot(report: &Report) -> Result<String> {
+    let some: Vec<_> = report.settings.iter().filter(|s| matches!(s.axis, Axis::Default | Axis::Samples)).collect();
+    plot(&some, [TIME, "RMSE against 64 samples of the same voxels"], |s| [s.render_ms.median, s.sampling_rmse])
+}
+
+/// Voxels with 64 samples.
+fn voxels_plot(report: &Report) -> Result<String> {
+    use Axis::{Cover, Default, Overlap, Resolution};
+    let some: Vec<_> =
+        report.settings.iter().filter(|s| matches!(s.axis, Default | Resolution | Cover | Overlap)).collect();
+    plot(&some, ["bytes of the scene", "RMSE of 64 samples against the mesh"], |s| {
+        [report.voxels[s.voxels].bytes as f64, s.voxels_error.rmse]
+    })
+}
+
+const TIME: &str = "render time, ms";
 
 /// The page.
 pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
     let title = format!("What accuracy costs: {}", report.scene);
     let flip = report.settings.iter().all(|s| s.error.flip.is_some());
-    let all: Vec<_> = report.settings.iter().collect();
-    let same_voxels: Vec<_> =
-        report.settings.iter().filter(|s| matches!(s.axis, Axis::Default | Axis::Samples)).collect();
     let page = html! {
         (DOCTYPE)
         html lang="en" {
@@ -70,14 +91,18 @@ pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
                         details {
                             summary { "The same by what people see (FLIP)" }
                             figure {
-                                (PreEscaped(plot(&all, "FLIP against the mesh, mean", |s| s.error.flip.unwrap_or(0.0))?))
+                                (PreEscaped(flip_plot(report)?))
                                 figcaption { "FLIP (Andersson et al. 2020) weighs differences as people see them when two pictures alternate." }
                             }
                         }
                     }
                     figure {
-                        (PreEscaped(plot(&same_voxels, "RMSE against 64 samples of the same voxels", |s| s.sampling_rmse)?))
+                        (PreEscaped(sampling_plot(report)?))
                         figcaption { "Sampling alone: the same voxels and normals, against 64 samples of them." }
+                    }
+                    figure {
+                        (PreEscaped(voxels_plot(report)?))
+                        figcaption { "Voxels alone: 64 samples of them against the mesh, by the bytes that they take." }
                     }
                 }
                 (pictures(crops))
@@ -158,7 +183,7 @@ fn tables(report: &Report) -> Markup {
                                 th { "setting" } th { "render ms" } th { "fastest to slowest" } th { "rays" }
                                 th { "RMSE" } th { "PSNR dB" } th { "SSIM" } th { "FLIP" }
                                 th { "of the voxels" } th { "of sampling" }
-                                th { "silhouette px" } th { "depth, voxels: mean, 95 %, max" } th { "normal, degrees: mean, 95 %, max" }
+                                th { "silhouette px" } th { "depth, voxels: median, mean, 95 %, max" } th { "normal, degrees: median, mean, 95 %, max" }
                             } }
                             tbody {
                                 @for s in std::iter::once(report.usual()).filter(|_| axis != Axis::Default).chain(rows) { (row(s)) }
@@ -196,7 +221,8 @@ fn row(s: &Measured) -> Markup {
 }
 
 fn deviations(of: Option<Deviations>) -> String {
-    of.map_or("-".to_owned(), |Deviations { mean, p95, max }| format!("{mean:.2}, {p95:.2}, {max:.1}"))
+    let text = |Deviations { median, mean, p95, max }| format!("{median:.2}, {mean:.2}, {p95:.2}, {max:.1}");
+    of.map_or("-".to_owned(), text)
 }
 
 fn voxels(v: &Voxels) -> Markup {
@@ -205,7 +231,7 @@ fn voxels(v: &Voxels) -> Markup {
             th { (v.resolution) } td { (v.cover) } td { (format!("{:?}", v.overlap).to_lowercase()) }
             td { @if v.stored_normals { "yes" } @else { "no" } }
             td { (grouped(v.voxels)) } td { (grouped(v.bytes)) } td { (format!("{:.2}", v.bits_per_voxel)) }
-            td { (decimals(v.build_ms.median)) } td { (v.build_peak_bytes.map_or("unknown".to_owned(), size)) }
+            td { (decimals(v.build_ms.median)) } td { (size(v.build_peak_bytes)) }
         }
     }
 }
@@ -253,22 +279,26 @@ fn advice(report: &Report) -> Markup {
     }
 }
 
-/// A plot of an error over the time that settings take, and its front.
-fn plot(settings: &[&Measured], label: &str, value: impl Fn(&Measured) -> f64) -> Result<String> {
+/// A plot of an error over what settings cost, and its front.
+fn plot(settings: &[&Measured], [x, y]: [&str; 2], value: impl Fn(&Measured) -> [f64; 2]) -> Result<String> {
     let used: Vec<_> = AXES.iter().filter(|(axis, _)| settings.iter().any(|s| s.axis == *axis)).collect();
-    let names: Vec<_> = used.iter().map(|(_, name)| (*name).to_owned()).collect();
     // Logarithms have no place for 0.
-    let points: Vec<_> = settings.iter().map(|s| Point { ms: s.render_ms.median, error: value(s).max(1e-6) }).collect();
+    let point = |s: &&Measured| {
+        let [cost, error] = value(s).map(|x| x.max(1e-6));
+        Point { cost, error }
+    };
+    let points: Vec<_> = settings.iter().map(point).collect();
     let front = front::front(&points);
     let marks = settings.iter().zip(&points).enumerate().map(|(i, (s, point))| Mark {
-        x: point.ms,
+        x: point.cost,
         y: point.error,
         label: &s.label,
-        series: used.iter().position(|(axis, _)| s.axis == *axis).unwrap_or(0),
+        color: AXES.iter().position(|(axis, _)| s.axis == *axis).unwrap_or(0),
         rank: if s.axis == Axis::Default { 2 } else { u8::from(front.contains(&i)) },
     });
-    let line = front.iter().map(|&i| (points[i].ms, points[i].error)).collect();
-    Plot { x: "render time, ms", y: label, series: &names, marks: marks.collect(), front: line }.svg()
+    let legend = used.iter().map(|&&(axis, name)| (name, AXES.iter().position(|a| a.0 == axis).unwrap_or(0)));
+    let line = front.iter().map(|&i| (points[i].cost, points[i].error)).collect();
+    Plot { x, y, legend: legend.collect(), marks: marks.collect(), front: line }.svg()
 }
 
 fn error(x: f64) -> String {

@@ -12,8 +12,8 @@ pub struct Mark<'a> {
     pub x: f64,
     pub y: f64,
     pub label: &'a str,
-    /// The place of its series.
-    pub series: usize,
+    /// The place of its colour.
+    pub color: usize,
     /// Points of higher rank get their labels first, and are drawn larger.
     pub rank: u8,
 }
@@ -22,8 +22,8 @@ pub struct Mark<'a> {
 pub struct Plot<'a> {
     pub x: &'a str,
     pub y: &'a str,
-    /// Names for the legend.
-    pub series: &'a [String],
+    /// What colours stand for: a name, and the place of its colour.
+    pub legend: Vec<(&'a str, usize)>,
     pub marks: Vec<Mark<'a>>,
     /// A line through points, from left to right.
     pub front: Vec<(f64, f64)>,
@@ -31,8 +31,8 @@ pub struct Plot<'a> {
 
 const WIDTH: u32 = 960;
 const HEIGHT: u32 = 540;
-/// Colours that also differ for the colour-blind (Okabe and Ito 2008).
-const COLORS: [RGBColor; 8] = [
+/// Colours that also differ for the colour-blind (Okabe and Ito 2008), grey and brown.
+const COLORS: [RGBColor; 9] = [
     RGBColor(0, 0, 0),
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -41,6 +41,7 @@ const COLORS: [RGBColor; 8] = [
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
     RGBColor(128, 128, 128),
+    RGBColor(136, 78, 32),
 ];
 const FONT: i32 = 13;
 /// Of a letter, on average, as no font is asked.
@@ -59,11 +60,11 @@ impl Plot<'_> {
     fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
         area.fill(&WHITE)?;
         let (x, y) = (range(self.marks.iter().map(|m| m.x)), range(self.marks.iter().map(|m| m.y)));
-        let mut chart = ChartBuilder::on(area)
-            .margin(12)
-            .x_label_area_size(46)
-            .y_label_area_size(70)
-            .build_cartesian_2d(x.log_scale(), y.log_scale())?;
+        let mut chart =
+            ChartBuilder::on(area).margin(12).x_label_area_size(46).y_label_area_size(70).build_cartesian_2d(
+                x.clone().log_scale().with_key_points(ticks(&x)),
+                y.clone().log_scale().with_key_points(ticks(&y)),
+            )?;
         chart
             .configure_mesh()
             .x_desc(self.x)
@@ -76,12 +77,12 @@ impl Plot<'_> {
             .y_label_formatter(&|y| short(*y))
             .draw()?;
         chart.draw_series(LineSeries::new(self.front.iter().copied(), BLACK.mix(0.55).stroke_width(2)))?;
-        for (i, name) in self.series.iter().enumerate() {
-            let color = COLORS[i % COLORS.len()];
-            let points = self.marks.iter().filter(|m| m.series == i);
+        for &(name, place) in &self.legend {
+            let color = COLORS[place % COLORS.len()];
+            let points = self.marks.iter().filter(|m| m.color == place);
             chart
                 .draw_series(points.map(|m| Circle::new((m.x, m.y), if m.rank > 0 { 6 } else { 4 }, color.filled())))?
-                .label(name.as_str())
+                .label(name)
                 .legend(move |(x, y)| Circle::new((x + 8, y), 5, color.filled()));
         }
         chart
@@ -100,8 +101,8 @@ impl Plot<'_> {
             ([x.start, x.end].map(f64::from), [y.start, y.end].map(f64::from))
         };
         // The legend's corner.
-        let legend = 24.0 + LETTER * self.series.iter().map(|s| s.chars().count()).max().unwrap_or(0) as f64;
-        taken.push([right - legend - 20.0, top, right, top + 24.0 + 20.0 * self.series.len() as f64]);
+        let legend = 24.0 + LETTER * self.legend.iter().map(|s| s.0.chars().count()).max().unwrap_or(0) as f64;
+        taken.push([right - legend - 20.0, top, right, top + 24.0 + 20.0 * self.legend.len() as f64]);
         let mut order: Vec<_> = self.marks.iter().collect();
         order.sort_by_key(|m| std::cmp::Reverse(m.rank));
         for mark in order {
@@ -128,7 +129,7 @@ impl Plot<'_> {
                 if inside && !taken.iter().any(|other| overlap(&rectangle, other)) {
                     let style = ("sans-serif", FONT)
                         .into_text_style(area)
-                        .color(&COLORS[mark.series % COLORS.len()])
+                        .color(&COLORS[mark.color % COLORS.len()])
                         .pos(Pos::new(anchor, VPos::Center));
                     area.draw(&Text::new(mark.label.to_owned(), (x as i32, y as i32), style))?;
                     taken.push(rectangle);
@@ -156,6 +157,17 @@ fn range(numbers: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     if min.is_finite() && max > 0.0 { 0.8 * min..1.25 * max } else { 0.1..1.0 }
 }
 
+/// Round numbers in a range, some ten of them at most: 1, 2, 5, 10 and so on, or more where that would be few.
+fn ticks(range: &std::ops::Range<f64>) -> Vec<f64> {
+    let decades = |steps: &[f64]| -> Vec<f64> {
+        let powers = (-9..=12).map(|power| libm::exp10(f64::from(power)));
+        powers.flat_map(|power| steps.iter().map(move |step| step * power)).filter(|x| range.contains(x)).collect()
+    };
+    let finer = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0];
+    let choices = [decades(&[1.0]), decades(&[1.0, 2.0, 5.0]), decades(&finer)];
+    choices.into_iter().find(|ticks| ticks.len() >= 5).unwrap_or_else(|| decades(&finer))
+}
+
 /// A number with the digits that it needs.
 fn short(x: f64) -> String {
     match x {
@@ -164,7 +176,9 @@ fn short(x: f64) -> String {
         ..0.1 => format!("{x:.3}"),
         ..1.0 => format!("{x:.2}"),
         ..10.0 => format!("{x:.1}"),
-        _ => format!("{x:.0}"),
+        ..1e4 => format!("{x:.0}"),
+        ..1e6 => format!("{:.0} k", x / 1e3),
+        _ => format!("{:.1} M", x / 1e6),
     }
 }
 
@@ -174,14 +188,9 @@ mod tests {
 
     #[test]
     fn labels_do_not_cover_each_other() {
-        let mark = |x, y, label, rank| Mark { x, y, label, series: 0, rank };
-        let plot = |marks| Plot {
-            x: "ms",
-            y: "RMSE",
-            series: &["one".to_owned()],
-            marks,
-            front: vec![(1.0, 1.0), (9.0, 0.1)],
-        };
+        let mark = |x, y, label, rank| Mark { x, y, label, color: 0, rank };
+        let (legend, front) = (vec![("one", 0)], vec![(1.0, 1.0), (9.0, 0.1)]);
+        let plot = |marks| Plot { x: "ms", y: "RMSE", legend: legend.clone(), marks, front: front.clone() };
         let svg = plot(vec![mark(1.0, 1.0, "first", 1), mark(9.0, 0.1, "<last>", 0)]).svg().unwrap();
         assert!(svg.contains("first") && svg.contains("&lt;last&gt;") && !svg.contains("<last>"));
         // At one point there is room for as many labels as there are places.

@@ -49,8 +49,8 @@ pub struct Voxels {
     pub bytes: u64,
     pub bits_per_voxel: f64,
     pub build_ms: Times,
-    /// Beside what was held before.
-    pub build_peak_bytes: Option<u64>,
+    /// The most memory that building took beside what was held before.
+    pub build_peak_bytes: u64,
 }
 
 /// Milliseconds over the repetitions.
@@ -144,8 +144,10 @@ impl Report {
 
         // What cannot be typed is no recommendation.
         let typed: Vec<_> = (0..measured.len()).filter(|&i| !measured[i].flags.is_empty()).collect();
-        let points: Vec<_> =
-            typed.iter().map(|&i| Point { ms: measured[i].render_ms.median, error: measured[i].error.rmse }).collect();
+        let points: Vec<_> = typed
+            .iter()
+            .map(|&i| Point { cost: measured[i].render_ms.median, error: measured[i].error.rmse })
+            .collect();
         let front = front::front(&points);
         let knee = typed[front[front::knee(&points, &front)]];
         let front: Vec<_> = front.into_iter().map(|i| typed[i]).collect();
@@ -173,7 +175,7 @@ impl Report {
         let mut out = csv::Writer::from_writer(Vec::new());
         let head = "axis,label,flags,resolution,cover,overlap,voxels,bytes,build_ms,build_peak_bytes,prepare_ms,render_ms,\
                     render_ms_min,render_ms_max,primary_rays,shadow_rays,rmse,psnr,ssim,flip,differing_pixels,voxels_rmse,\
-                    sampling_rmse,silhouette_pixels,depth_mean,depth_p95,depth_max,normal_mean,normal_p95,normal_max,on_front";
+                    sampling_rmse,silhouette_pixels,depth_median,depth_mean,depth_p95,depth_max,normal_median,normal_mean,normal_p95,normal_max,on_front";
         out.write_record(head.split(',')).map_err(failed)?;
         for s in &self.settings {
             let v = &self.voxels[s.voxels];
@@ -182,7 +184,7 @@ impl Report {
             let mut record = vec![name_of(s.axis), s.label.clone(), s.flags.clone()];
             record.extend([v.resolution.to_string(), v.cover.clone(), overlap, v.voxels.to_string()]);
             record.extend([v.bytes.to_string(), v.build_ms.median.to_string()]);
-            record.extend([v.build_peak_bytes.map(|b| b.to_string()).unwrap_or_default(), s.prepare_ms.to_string()]);
+            record.extend([v.build_peak_bytes.to_string(), s.prepare_ms.to_string()]);
             record.extend([s.render_ms.median, s.render_ms.min, s.render_ms.max].map(|x| x.to_string()));
             record.extend([s.rays.primary.to_string(), s.rays.shadow.to_string()]);
             let Errors { rmse, psnr, ssim, flip, differing } = s.error;
@@ -191,7 +193,9 @@ impl Report {
             let ShapeErrors { silhouette, depth, normal, .. } = s.shape;
             record.push(silhouette.to_string());
             for of in [depth, normal] {
-                record.extend([of.map(|d| d.mean), of.map(|d| d.p95), of.map(|d| d.max)].map(optional));
+                record.extend(
+                    [of.map(|d| d.median), of.map(|d| d.mean), of.map(|d| d.p95), of.map(|d| d.max)].map(optional),
+                );
             }
             record.push(s.on_front.to_string());
             out.write_record(record).map_err(failed)?;

@@ -43,14 +43,16 @@ const ORACLE: &str = "the integer oracle";
 pub fn voxelizing(mesh: &Mesh<'_>, grid: &Grid, repeat: u32) -> Result<[Wrong; 3]> {
     let exactly = || overlap::exact(mesh, grid).map_err(|error| Error::new(Kind::Failure, error));
     let by = |test: fn(&Near) -> u64| overlap::bricks(&overlap::near(mesh, grid), test);
-    let exact = exactly()?;
-    let found = [by(Near::f32), by(Near::f64)];
+    let (mut exact, mut found) = (Vec::new(), [const { Vec::new() }; 2]);
     let mut ms = [const { Vec::new() }; 3];
     for _ in 0..repeat {
-        ms[0].push(stats::ms(stats::timed(|| by(Near::f32)).1));
-        ms[1].push(stats::ms(stats::timed(|| by(Near::f64)).1));
-        let (again, time) = stats::timed(exactly);
-        again?;
+        for (i, test) in [Near::f32, Near::f64].into_iter().enumerate() {
+            let (bricks, time) = stats::timed(|| by(test));
+            found[i] = bricks;
+            ms[i].push(stats::ms(time));
+        }
+        let (bricks, time) = stats::timed(exactly);
+        exact = bricks?;
         ms[2].push(stats::ms(time));
     }
     let [f32_ms, f64_ms, exact_ms] = ms.map(|ms| Spread::of(ms).median);
@@ -102,11 +104,13 @@ pub fn tracing<G: Geometry>(
         rows.par_iter().map(row).collect()
     };
     const METHODS: [Arithmetic; 3] = [Arithmetic::F32, Arithmetic::F64, Arithmetic::Exact];
-    let found = METHODS.map(by);
+    let mut found = [const { Vec::new() }; 3];
     let mut ms = [const { Vec::new() }; 3];
     for _ in 0..repeat {
-        for (ms, arithmetic) in ms.iter_mut().zip(METHODS) {
-            ms.push(stats::ms(stats::timed(|| by(arithmetic)).1));
+        for (i, arithmetic) in METHODS.into_iter().enumerate() {
+            let (voxels, time) = stats::timed(|| by(arithmetic));
+            found[i] = voxels;
+            ms[i].push(stats::ms(time));
         }
     }
     let [f32_ms, f64_ms, exact_ms] = ms.map(|ms| Spread::of(ms).median);
