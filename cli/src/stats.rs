@@ -2,12 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use peak_alloc::PeakAlloc;
-
-/// The system's heap, which keeps count.
-#[global_allocator]
-static HEAP: PeakAlloc = PeakAlloc;
-
 /// Runs `work` and gives its result and how long it took.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
@@ -25,12 +19,4 @@ pub fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()?.checked_mul(1024)
-}
-
-/// Runs `work` and gives its result and the most memory, in bytes, that it took from the heap beside what was held before.
-pub fn peak_of<T>(work: impl FnOnce() -> T) -> (T, u64) {
-    let before = HEAP.current_usage();
-    HEAP.reset_peak_usage();
-    let result = work();
-    (result, HEAP.peak_usage().saturating_sub(before) as u64)
 }

@@ -4,6 +4,7 @@
 //! other, each time from another one on, so that a machine that slows down slows all of them. What makes rays faster is
 //! made before and timed apart.
 
+use std::path::Path;
 use std::time::Duration;
 
 use rayon::prelude::*;
@@ -29,6 +30,8 @@ use crate::truth::{self, Lit, ShapeErrors, Truth};
 /// What is measured on.
 pub struct Subject<'a, T> {
     pub source: &'a Source,
+    /// The mesh's file, if it has one.
+    pub file: Option<&'a Path>,
     pub truth: &'a T,
     pub build: &'a BuildArgs,
     pub size: [u32; 2],
@@ -114,7 +117,7 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     let progress = Progress::stage("measuring", work(settings, &voxels, keys.len(), builds, repeat));
 
     progress.say("builds".to_owned());
-    let scenes = build::scenes(source, subject.build, &voxels, builds, memory, &progress)?;
+    let scenes = build::scenes(source, subject.file, subject.build, &voxels, builds, memory, &progress)?;
     let usual = scenes[0].shown();
     let camera = picture::camera(&usual, subject.camera)?;
     let lights = picture::lights(&usual, &camera, subject.lighting);

@@ -16,11 +16,11 @@ mod report;
 mod wrong;
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::demo;
-use crate::error::{Error, Result};
+use crate::error::{Error, Kind, Result};
 use crate::input;
 use crate::memory::Memory;
 use crate::options::{
@@ -122,19 +122,29 @@ fn write_all(args: &Args) -> Result<Report> {
     let mut memory = args.machine.memory();
     let (report, found, settings) = match (&args.mesh, args.scene) {
         (_, Some(known)) => {
-            let source = known.source();
-            measure(args, &source, &known.closed(), "the closed form", &args.camera, &args.lighting, &mut memory)?
+            let (source, truth) = (known.source(), known.closed());
+            measure(args, &source, None, (&truth, "the closed form"), (&args.camera, &args.lighting), &mut memory)?
         }
         (Some(path), None) => {
             let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, &mut memory)?;
             let files = [&page, &plot, &csv, &json];
             files.iter().try_for_each(|output| output.must_not_replace(&source.files))?;
-            against_mesh(args, &source, &args.camera, &args.lighting, &mut memory)?
+            against_mesh(args, &source, path, (&args.camera, &args.lighting), &mut memory)?
         }
         (None, None) => {
-            let source = demo::source(&mut memory)?;
+            // A file like any other, so that its build can be watched.
+            let folder = tempfile::tempdir().map_err(|cause| Error::new(Kind::Failure, cause))?;
+            let path = folder.path().join("demo.obj");
+            let texts = [
+                (path.clone(), voxdag::demo::obj()),
+                (path.with_file_name(voxdag::demo::MTL_NAME), voxdag::demo::mtl()),
+            ];
+            for (path, text) in texts {
+                std::fs::write(&path, text).map_err(|cause| Error::write(&path, cause))?;
+            }
+            let source = scene::import_file(&path, input::read_mesh(&path, &mut memory)?, &mut memory)?;
             let (camera, lighting) = demo_view(args);
-            against_mesh(args, &source, &camera, &lighting, &mut memory)?
+            against_mesh(args, &source, &path, (&camera, &lighting), &mut memory)?
         }
     };
 
@@ -161,21 +171,20 @@ fn write_all(args: &Args) -> Result<Report> {
 fn against_mesh(
     args: &Args,
     source: &Source,
-    camera: &CameraArgs,
-    lighting: &LightingArgs,
+    file: &Path,
+    view: (&CameraArgs, &LightingArgs),
     memory: &mut Memory,
 ) -> Result<(Report, Found, Vec<Setting>)> {
     let truth = MeshTruth::new(source.model.mesh(), memory)?;
-    measure(args, source, &truth, "the mesh itself", camera, lighting, memory)
+    measure(args, source, Some(file), (&truth, "the mesh itself"), view, memory)
 }
 
 fn measure(
     args: &Args,
     source: &Source,
-    truth: &impl Truth,
-    truth_name: &'static str,
-    camera: &CameraArgs,
-    lighting: &LightingArgs,
+    file: Option<&Path>,
+    (truth, truth_name): (&impl Truth, &'static str),
+    (camera, lighting): (&CameraArgs, &LightingArgs),
     memory: &mut Memory,
 ) -> Result<(Report, Found, Vec<Setting>)> {
     let mut resolutions = match (&args.resolution[..], args.quick) {
@@ -188,7 +197,7 @@ fn measure(
     let settings = plan::settings(&resolutions, args.quick);
     let build = BuildArgs { up_axis: args.up_axis, ..BuildArgs::default() };
     let repeat = args.repeat.unwrap_or(if args.quick { 3 } else { 5 });
-    let subject = Subject { source, truth, build: &build, size: args.size, camera, lighting, repeat };
+    let subject = Subject { source, file, truth, build: &build, size: args.size, camera, lighting, repeat };
     let found = measure::run(&subject, &settings, memory)?;
     let view =
         [format!("--size {}x{}", args.size[0], args.size[1]), CameraArgs::typed_of(&found.camera), lighting.typed()];

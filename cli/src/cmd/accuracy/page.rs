@@ -231,7 +231,7 @@ fn voxels(v: &Voxels) -> Markup {
             th { (v.resolution) } td { (v.cover) } td { (format!("{:?}", v.overlap).to_lowercase()) }
             td { @if v.stored_normals { "yes" } @else { "no" } }
             td { (grouped(v.voxels)) } td { (grouped(v.bytes)) } td { (format!("{:.2}", v.bits_per_voxel)) }
-            td { (decimals(v.build_ms.median)) } td { (size(v.build_peak_bytes)) }
+            td { (decimals(v.build_ms.median)) } td { (v.build_peak_bytes.map_or("-".to_owned(), size)) }
         }
     }
 }

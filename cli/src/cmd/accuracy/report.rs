@@ -49,8 +49,8 @@ pub struct Voxels {
     pub bytes: u64,
     pub bits_per_voxel: f64,
     pub build_ms: Times,
-    /// The most memory that building took beside what was held before.
-    pub build_peak_bytes: u64,
+    /// The most memory that a `voxdag build` of its own holds; `None` where that is not known.
+    pub build_peak_bytes: Option<u64>,
 }
 
 /// Milliseconds over the repetitions.
@@ -184,7 +184,7 @@ impl Report {
             let mut record = vec![name_of(s.axis), s.label.clone(), s.flags.clone()];
             record.extend([v.resolution.to_string(), v.cover.clone(), overlap, v.voxels.to_string()]);
             record.extend([v.bytes.to_string(), v.build_ms.median.to_string()]);
-            record.extend([v.build_peak_bytes.to_string(), s.prepare_ms.to_string()]);
+            record.extend([v.build_peak_bytes.map(|b| b.to_string()).unwrap_or_default(), s.prepare_ms.to_string()]);
             record.extend([s.render_ms.median, s.render_ms.min, s.render_ms.max].map(|x| x.to_string()));
             record.extend([s.rays.primary.to_string(), s.rays.shadow.to_string()]);
             let Errors { rmse, psnr, ssim, flip, differing } = s.error;
