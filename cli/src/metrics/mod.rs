@@ -6,8 +6,8 @@
 //! - SSIM: [`ssim`], of the sRGB values, the mean of the three channels; 1 is equal.
 //! - FLIP: [`flip`], of the sRGB values, the mean over the pixels as its authors recommend; 0 is equal, 1 the most.
 //!
-//! SSIM is our own: `image-compare` 0.5 adds variances up where the definition averages them, over blocks side by side, and
-//! finds errors of these pictures a third too large. docs/numerics.md, "Errors of pictures", has all comparisons.
+//! SSIM is our own: `image-compare` 0.5 adds variances up where the definition averages them, and finds errors a third too
+//! large. docs/numerics.md, "Errors of pictures", has all comparisons.
 
 #[cfg_attr(not(feature = "flip"), path = "no_flip.rs")]
 mod flip;
