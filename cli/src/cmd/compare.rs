@@ -104,19 +104,23 @@ pub fn run(args: &Args) -> Result<()> {
 /// The report for people.
 fn lines(report: &Report) -> Lines {
     let Report { width, height, errors: Errors { rmse, psnr, ssim, flip, differing } } = *report;
-    let share = 100.0 * differing as f64 / (f64::from(width) * f64::from(height));
+    let pixels = u64::from(width) * u64::from(height);
+    let share = 100.0 * differing as f64 / pixels as f64;
+    let flip_row = |flip| format!("{}, 0 is equal; 67 pixels per degree", digits(flip));
     let mut lines = Lines::default();
     lines
         .row("pictures", format!("{width}x{height}"))
-        .row("RMSE", format!("{rmse:.6} of 1, in linear light"))
+        .row("RMSE", format!("{} of 1, in linear light", digits(rmse)))
         .row("PSNR", psnr.map_or("infinite: no pixel differs".to_owned(), |psnr| format!("{psnr:.2} dB")))
         .row("SSIM", format!("{ssim:.6}, 1 is equal"))
-        .row(
-            "FLIP",
-            flip.map_or("not in this build".to_owned(), |flip| format!("{flip:.6}, 0 is equal; 67 pixels per degree")),
-        )
-        .row("differing", format!("{} pixels ({share:.1} %)", grouped(differing)));
+        .row("FLIP", flip.map_or("not in this build".to_owned(), flip_row))
+        .row("differing", format!("{} of {} pixels ({share:.1} %)", grouped(differing), grouped(pixels)));
     lines
+}
+
+/// An error, with digits that also tell a small one from none.
+fn digits(error: f64) -> String {
+    if error == 0.0 || error >= 1e-3 { format!("{error:.6}") } else { format!("{error:.3e}") }
 }
 
 /// A PNG of which only the head is read.
@@ -125,7 +129,8 @@ fn open(path: &Path) -> Result<PngDecoder<BufReader<File>>> {
     let mut file = BufReader::new(file);
     let head = file.fill_buf().map_err(|e| unreadable(path, &e))?;
     if !head.starts_with(b"\x89PNG\r\n\x1a\n") {
-        return Err(Error::input(path, "is not a PNG: it does not start with the mark of one").hint("expected a PNG"));
+        return Err(Error::input(path, "is not a PNG: it does not start with the mark of one")
+            .hint("expected a picture as `voxdag render` writes it"));
     }
     let decoder = PngDecoder::with_limits(file, Limits::default()).map_err(|e| broken(path, e))?;
     let (width, height) = decoder.dimensions();
