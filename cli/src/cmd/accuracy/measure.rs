@@ -38,6 +38,8 @@ pub struct Subject<'a, T> {
     pub camera: &'a CameraArgs,
     pub lighting: &'a LightingArgs,
     pub repeat: u32,
+    /// Of what takes seconds.
+    pub slow_repeat: u32,
 }
 
 /// What came of it.
@@ -113,7 +115,7 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     let (voxels, scene_of) = unique(settings.iter().map(|s| s.voxels));
     let (details, detail_of) = unique(settings.iter().map(|s| (s.voxels, s.quality.lod)));
     let (keys, reference_of) = unique(settings.iter().map(Key::of));
-    let builds = repeat.min(3) as usize;
+    let builds = subject.slow_repeat as usize;
     let progress = Progress::stage("measuring", work(settings, &voxels, keys.len(), builds, repeat));
 
     progress.say("builds".to_owned());
@@ -229,7 +231,7 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     }
 
     progress.say("wrong voxels".to_owned());
-    let mut wrong = wrong::voxelizing(&source.model.mesh(), &scenes[0].built.grid, repeat)?.to_vec();
+    let mut wrong = wrong::voxelizing(&source.model.mesh(), &scenes[0].built.grid, subject.slow_repeat)?.to_vec();
     let (shown, usual) = &prepared[detail_of[0]];
     let (shown, trees) = usual.parts(shown);
     wrong.extend(with_tracer!(shown.geometry, trees, tracer => {

@@ -55,7 +55,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", value_enum)]
     scene: Option<Known>,
 
-    /// Voxels along the longest axis [default: 256,512,1024,2048; 256,512 with --quick]
+    /// Voxels along the longest axis [default: 256,512,1024,2048; 512,1024 with --quick]
     #[arg(short, long, value_name = "N,...", value_delimiter = ',', value_parser = resolution, allow_negative_numbers = true)]
     resolution: Vec<u32>,
 
@@ -71,9 +71,9 @@ pub struct Args {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000), allow_negative_numbers = true)]
     repeat: Option<u32>,
 
-    /// Width and height of the pictures
-    #[arg(long, value_name = "WxH", default_value = "640x360", value_parser = picture_size, help_heading = "Picture")]
-    size: [u32; 2],
+    /// Width and height of the pictures [default: 640x360; 320x180 with --quick]
+    #[arg(long, value_name = "WxH", value_parser = picture_size, help_heading = "Picture")]
+    size: Option<[u32; 2]>,
 
     /// The axis that points up
     #[arg(long, value_name = "AXIS", value_enum, help_heading = "Picture")]
@@ -89,7 +89,7 @@ pub struct Args {
     machine: MachineArgs,
 }
 
-const QUICK: [u32; 2] = [256, 512];
+const QUICK: [u32; 2] = [512, 1024];
 const FULL: [u32; 4] = [256, 512, 1024, 2048];
 
 /// Runs the command.
@@ -197,17 +197,18 @@ fn measure(
     let settings = plan::settings(&resolutions, args.quick);
     let build = BuildArgs { up_axis: args.up_axis, ..BuildArgs::default() };
     let repeat = args.repeat.unwrap_or(if args.quick { 3 } else { 5 });
-    let subject = Subject { source, file, truth, build: &build, size: args.size, camera, lighting, repeat };
+    let slow_repeat = if args.quick { 1 } else { repeat.min(3) };
+    let size = args.size.unwrap_or(if args.quick { [320, 180] } else { [640, 360] });
+    let subject = Subject { source, file, truth, build: &build, size, camera, lighting, repeat, slow_repeat };
     let found = measure::run(&subject, &settings, memory)?;
-    let view =
-        [format!("--size {}x{}", args.size[0], args.size[1]), CameraArgs::typed_of(&found.camera), lighting.typed()];
+    let view = [format!("--size {}x{}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lighting.typed()];
     let head = Head {
         scene: args.scene_name(),
         triangles: source.model.mesh().triangles.len(),
         truth: truth_name,
-        size: args.size,
+        size,
         view: view.join(" ").trim_end().to_owned(),
-        repeat,
+        repeat: [repeat, slow_repeat],
         threads: rayon::current_num_threads(),
     };
     Ok((Report::new(head, &settings, &found)?, found, settings))
@@ -258,7 +259,7 @@ fn lines(args: &Args, report: &Report, start: Instant) -> Lines {
         .row("", place("accuracy.csv"))
         .row("", place("accuracy.json"))
         .row("pictures", place("pictures"))
-        .row("settings", format!("{}, each drawn {} times", report.settings.len(), report.repeat));
+        .row("settings", format!("{}, each drawn {} times", report.settings.len(), report.repeat[0]));
     for step in report.advice() {
         let Advice { setting, below, .. } = step;
         let mark = if std::ptr::eq(setting, report.knee()) { "  <- worth its time" } else { "" };

@@ -73,7 +73,7 @@ pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
                 h1 { (title) }
                 p.lead {
                     (grouped(report.triangles as u64)) " triangles, " (report.size[0]) " x " (report.size[1]) " pixels, "
-                    (report.settings.len()) " settings, each drawn " (report.repeat) " times in turn. The truth is "
+                    (report.settings.len()) " settings, each drawn " (report.repeat[0]) " times in turn. The truth is "
                     (report.truth) ", 64 samples a pixel, with the same camera, lights and reflection model."
                 }
                 (picks(report, crops))
@@ -112,8 +112,8 @@ pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
                 section {
                     h2 { "How this was made" }
                     pre { code { (report.command) } }
-                    p { (report.machine.text()) ". Times are wall-clock medians of " (report.repeat) " repetitions in which all settings took turns; \
-                        building was repeated " (report.repeat.min(3)) " times in the same manner. The truth took " (time(report.truth_ms)) "." }
+                    p { (report.machine.text()) ". Times are wall-clock medians of " (report.repeat[0]) " repetitions in which all settings took turns; \
+                        building was repeated " (report.repeat[1]) " times in the same manner. The truth took " (time(report.truth_ms)) "." }
                     p { "The view: " code { "render " (report.view) } "." }
                     p {
                         "RMSE and PSNR are over red, green and blue in linear light, SSIM is over sRGB, all from 8 bits a channel. The silhouette \

@@ -92,8 +92,10 @@ pub fn settings(resolutions: &[u32], quick: bool) -> Vec<Setting> {
     for lod in 1..=if quick { 1 } else { 3 } {
         plan.add(Axis::Lod, format!("LOD {lod}"), |s| s.quality.lod = lod);
     }
-    for (overlap, label) in [(Overlap::F32, "f32 overlap"), (Overlap::F64, "f64 overlap")] {
-        plan.add(Axis::Overlap, label, |s| s.voxels.overlap = overlap);
+    // The slowest to build, of pictures that hardly differ: what they get wrong is counted anyway.
+    if !quick {
+        plan.add(Axis::Overlap, "f32 overlap", |s| s.voxels.overlap = Overlap::F32);
+        plan.add(Axis::Overlap, "f64 overlap", |s| s.voxels.overlap = Overlap::F64);
     }
     for (cover, label) in [(CoverArg::Thin, "thin cover"), (CoverArg::Inflated, "inflated cover")] {
         plan.add(Axis::Cover, label, |s| s.voxels.cover = cover);
@@ -185,7 +187,7 @@ mod tests {
                 assert!(all[..i].iter().all(|b| (a.voxels, a.quality) != (b.voxels, b.quality)), "{}", a.label);
                 assert!(all[..i].iter().all(|b| a.label != b.label), "{}", a.label);
             }
-            for axis in Axis::value_variants() {
+            for axis in Axis::value_variants().iter().filter(|axis| !quick || **axis != Axis::Overlap) {
                 assert!(all.iter().any(|s| s.axis == *axis), "{axis:?}");
             }
         }

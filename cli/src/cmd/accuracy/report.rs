@@ -31,7 +31,8 @@ pub struct Report {
     pub size: [u32; 2],
     /// The camera and the lights, as flags of `render`.
     pub view: String,
-    pub repeat: u32,
+    /// How often settings were drawn, and how often voxels were built.
+    pub repeat: [u32; 2],
     pub voxels: Vec<Voxels>,
     pub settings: Vec<Measured>,
     pub wrong: Vec<Wrong>,
@@ -251,7 +252,7 @@ pub struct Head {
     pub truth: &'static str,
     pub size: [u32; 2],
     pub view: String,
-    pub repeat: u32,
+    pub repeat: [u32; 2],
     pub threads: usize,
 }
 
