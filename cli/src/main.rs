@@ -1,9 +1,9 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `memory` (the limit), `scene`, `layout`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
-//! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
-//! field lives here.
+//! `memory` (the limit), `scene`, `layout`, `picture` and `show` (the core's stages on all cores), `truth` (what they
+//! are measured by), `rays` and `formats` (other programs' files), `measure`, `progress`, `report`, `stats` and
+//! `error`. No algorithm of the field lives here but the ground truth's.
 
 mod cmd;
 mod error;
