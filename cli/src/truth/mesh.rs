@@ -18,7 +18,7 @@ use obvhs::ray::{Ray, RayHit};
 use voxdag::{Mesh, math};
 
 use super::{Met, Truth, facing, towards_viewer};
-use crate::error::Result;
+use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
 
 /// How far boxes reach beyond their triangles, where the mesh's box reaches from -1 to 1. Rays start at most 2 sqrt(2)
@@ -60,7 +60,7 @@ impl Unit {
         let closest = math::add_scaled(start, unit, middle);
         let skipped = (middle - BALL).max(0.0);
         let start = math::add_scaled(start, unit, skipped);
-        // Not so for a ray that leaves the ball behind, either, nor for numbers that are none.
+        // It passes by the ball or leaves it behind, or its numbers are none.
         if !(math::dot(closest, closest) <= BALL * BALL && middle >= -BALL) {
             return None;
         }
@@ -83,11 +83,12 @@ impl Unit {
 impl<'a> MeshTruth<'a> {
     /// Sorts the triangles of a mesh into boxes. The mesh must be valid.
     pub fn new(mesh: Mesh<'a>, memory: &Memory) -> Result<MeshTruth<'a>> {
-        let bounds = mesh.validate().map_err(|error| crate::error::Error::new(crate::error::Kind::BadInput, error))?;
+        let bounds = mesh.validate().map_err(|error| Error::new(Kind::BadInput, error))?;
         let bytes = BYTES * mesh.triangles.len() as u64;
-        memory.afford(bytes, "the ground truth", "take a mesh of fewer triangles")?;
-        let frame =
-            Unit { center: bounds.center(), scale: if bounds.extent() > 0.0 { 2.0 / bounds.extent() } else { 1.0 } };
+        memory.afford(bytes, "the ground truth", "raise --memory-limit, or take a mesh of fewer triangles")?;
+        // Of a single point, and of sizes at the ends of f64, there is nothing to scale.
+        let scale = Some(2.0 / bounds.extent()).filter(|scale| scale.is_normal()).unwrap_or(1.0);
+        let frame = Unit { center: bounds.center(), scale };
         let corners = |t: usize| mesh.triangles[t].map(|vertex| mesh.positions[vertex as usize]);
         let padded: Vec<Aabb> = (0..mesh.triangles.len()).map(|t| frame.boxed(&corners(t))).collect();
         let boxes = build_bvh2(&padded, BvhBuildParams::medium_build(), &mut Default::default());

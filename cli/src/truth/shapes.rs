@@ -1,9 +1,8 @@
 //! Surfaces that have a formula, and the meshes that are voxelised for them.
 //!
 //! In: a name. Out: the surface in closed form, and a source of triangles that is so close to it that the difference is
-//! no matter beside a voxel: the plane and the wall are the same but for rounding, the sphere is off by less than 0.02
-//! and the torus by less than 0.02 voxels at a resolution of 2048. All stand upright for a camera that looks down on
-//! them, y upwards.
+//! no matter beside a voxel: the plane and the wall are the same but for rounding, the sphere and the torus are off by
+//! less than 0.02 voxels at a resolution of 2048. All stand upright for a camera that looks down on them, y upwards.
 //!
 //! The torus is a quartic of the ray. It is taken about the ray's point nearest to the middle, where it has no cubic
 //! term and all roots lie within the ball around the torus; they are found between the roots of its derivative, which
