@@ -21,7 +21,8 @@ fn number(value: &Value, path: &str) -> f64 {
 fn the_edge_of_a_floor_costs_what_its_pixels_say() {
     let s = Sandbox::new();
     s.write("floor.obj", "v -59.55 0 -50\nv 40.45 0 -50\nv 40.45 0 50\nv -59.55 0 50\nf 4 3 2 1\n");
-    let view = "--eye 32,400,0 --target 32,0,0 --view-up 0,0,-1 --fov 5.153019 --size 64x36 --ambient 1 --light 0,9,0,0,0,0";
+    let view =
+        "--eye 32,400,0 --target 32,0,0 --view-up 0,0,-1 --fov 5.153019 --size 64x36 --ambient 1 --light 0,9,0,0,0,0";
     let flags = format!("-r 32,64 --quick --repeat 2 {view} --threads 2");
     let report = s.ok(&format!("accuracy floor.obj -o out {flags} --json")).json();
     assert_eq!((number(&report, "triangles"), &report["truth"]), (2.0, &Value::from("the mesh itself")));

@@ -115,18 +115,22 @@ pub fn settings(resolutions: &[u32], quick: bool) -> Vec<Setting> {
         });
     }
 
-    let normals: &[(NormalsArg, &str)] =
-        &[(NormalsArg::Plane2, ""), (NormalsArg::Gradient, ", gradient"), (NormalsArg::Plane3, ", plane3")];
+    // What is said to be more accurate, for each resolution.
+    let better = [
+        (NormalsArg::Plane2, CoverArg::Exact, ""),
+        (NormalsArg::Plane3, CoverArg::Exact, ", plane3"),
+        (NormalsArg::Plane3, CoverArg::Thin, ", thin, plane3"),
+    ];
     for &resolution in resolutions {
-        for &(kind, of) in if quick { &normals[..1] } else { normals } {
+        for (normals, cover, of) in &better[..if quick { 1 } else { better.len() }] {
             for (samples, supersample) in [
                 (Samples::One, SupersampleArg::All),
                 (Samples::Sixteen, SupersampleArg::Adaptive(2.0)),
                 (Samples::Sixteen, SupersampleArg::All),
             ] {
                 plan.add(Axis::Combined, format!("{resolution}^3, {}{of}", label(samples, supersample)), |s| {
-                    s.voxels.resolution = resolution;
-                    s.quality = Quality { samples, supersample, normals: kind, ..s.quality };
+                    (s.voxels.resolution, s.voxels.cover) = (resolution, *cover);
+                    s.quality = Quality { samples, supersample, normals: *normals, ..s.quality };
                 });
             }
         }
