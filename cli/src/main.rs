@@ -5,6 +5,7 @@
 //! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
 //! field lives here.
 
+mod budget;
 mod cmd;
 mod detail;
 mod error;
