@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! coarse   1 sample: --lod 4, 3, 2, 1, 0
-//! fine     1 sample | 4 where near, more and more of the scene | 4 | 5 | 16 or 64 where not smooth within 90 .. 0 degrees
+//! fine     1 sample | 4 in more and more of the middle | 4 | 5 | 16 or 64 where not smooth within 90 .. 0 degrees
 //! ```
 //! Time is that of drawing the rows. Error is the RMSE in linear light against 64 samples in all pixels, of the same
 //! voxels, with the same normals and arithmetic.
@@ -61,35 +61,57 @@ const DEGREES: [f32; 25] = [
     90.0, 72.0, 58.0, 46.0, 37.0, 29.0, 24.0, 19.0, 15.0, 12.0, 9.7, 7.7, 6.2, 4.9, 4.0, 3.2, 2.5, 2.0, 1.6, 1.3, 1.0,
     0.8, 0.6, 0.3, 0.0,
 ];
-/// More than this share of the scene's range near costs as much as four samples everywhere.
-const NEAREST: u32 = 80;
+/// Parts of the picture, from its middle, that take four samples before all of it does.
+const REGIONS: u32 = 40;
 /// The coarsest level of detail that is still a picture.
-pub const COARSEST: u8 = 4;
+const COARSEST: u8 = 4;
 
-/// The quality with other samples, at full resolution.
-fn sampled(usual: Quality, samples: Samples, supersample: SupersampleArg) -> Quality {
-    Quality { samples, supersample, lod: 0, ..usual }
+/// What there is to choose from.
+#[derive(Clone, Copy)]
+pub struct Range {
+    /// Its normals and arithmetic are kept.
+    pub usual: Quality,
+    /// Width and height of the picture.
+    pub size: [u32; 2],
+    /// Octree levels of the scene.
+    pub depth: u8,
 }
 
-/// One sample, coarser and coarser towards the beginning.
-fn coarse(usual: Quality, coarsest: u8) -> Vec<Quality> {
-    (0..=coarsest).rev().map(|lod| Quality { lod, ..sampled(usual, Samples::One, SupersampleArg::All) }).collect()
+impl Range {
+    /// Other samples, at full resolution.
+    fn sampled(self, samples: Samples, supersample: SupersampleArg) -> Quality {
+        Quality { samples, supersample, lod: 0, ..self.usual }
+    }
+
+    fn all(self, samples: Samples) -> Quality {
+        self.sampled(samples, SupersampleArg::All)
+    }
+
+    /// One sample, coarser and coarser towards the beginning.
+    fn coarse(self) -> Vec<Quality> {
+        (0..=COARSEST.min(self.depth)).rev().map(|lod| Quality { lod, ..self.all(Samples::One) }).collect()
+    }
+
+    /// One sample and more, up to `most` where surfaces are not smooth.
+    fn fine(self, most: Samples) -> Vec<Quality> {
+        let mut ladder = vec![self.all(Samples::One)];
+        ladder.extend((1..REGIONS).filter_map(|part| {
+            let side = (f64::from(part) / f64::from(REGIONS)).sqrt();
+            let margin = self.size.map(|side_of_all| ((1.0 - side) / 2.0 * f64::from(side_of_all)).round() as u32);
+            let [x, y] = margin;
+            let [end_x, end_y] = [self.size[0] - x, self.size[1] - y];
+            let region = SupersampleArg::Region([x, y, end_x, end_y]);
+            (x < end_x && y < end_y).then(|| self.sampled(Samples::Four, region))
+        }));
+        ladder.extend([self.all(Samples::Four), self.all(Samples::Five)]);
+        ladder.extend(DEGREES.map(|degrees| self.sampled(most, SupersampleArg::Adaptive(degrees))));
+        ladder
+    }
 }
 
-/// One sample and more, up to `most` where it pays.
-fn fine(usual: Quality, most: Samples) -> Vec<Quality> {
-    let all = |samples| sampled(usual, samples, SupersampleArg::All);
-    let near = (2..=NEAREST).step_by(2).map(|percent| SupersampleArg::Near(f64::from(percent) / 100.0));
-    let mut ladder = vec![all(Samples::One)];
-    ladder.extend(near.map(|near| sampled(usual, Samples::Four, near)));
-    ladder.extend([all(Samples::Four), all(Samples::Five)]);
-    ladder.extend(DEGREES.map(|degrees| sampled(usual, most, SupersampleArg::Adaptive(degrees))));
-    ladder
-}
-
-/// Chooses; no level of detail beyond `coarsest` is tried.
-pub fn choose(ruler: &mut impl Ruler, goal: Goal, usual: Quality, coarsest: u8) -> Result<Choice> {
-    let one = sampled(usual, Samples::One, SupersampleArg::All);
+/// Chooses.
+pub fn choose(ruler: &mut impl Ruler, goal: Goal, range: Range) -> Result<Choice> {
+    let one = range.all(Samples::One);
     // The first rays find their data in no cache.
     ruler.seconds(one, 0.0)?;
     let rough = ruler.seconds(one, 0.0)?;
@@ -105,7 +127,7 @@ pub fn choose(ruler: &mut impl Ruler, goal: Goal, usual: Quality, coarsest: u8) 
                 seconds: Vec::new(),
                 errors: Vec::new(),
             };
-            search.within(budget, usual, coarsest)
+            search.within(budget, range)
         }
         Goal::Error(most) => {
             let effort = allowed(goal) / (250.0 * rough);
@@ -117,7 +139,7 @@ pub fn choose(ruler: &mut impl Ruler, goal: Goal, usual: Quality, coarsest: u8) 
                 seconds: Vec::new(),
                 errors: Vec::new(),
             };
-            search.reaching(most, usual, coarsest)
+            search.reaching(most, range)
         }
     }
 }
@@ -166,12 +188,12 @@ impl<R: Ruler> Search<'_, R> {
     }
 
     /// The most accurate quality within a budget.
-    fn within(mut self, budget: f64, usual: Quality, coarsest: u8) -> Result<Choice> {
+    fn within(mut self, budget: f64, range: Range) -> Result<Choice> {
         let aim = AIM * budget;
-        let one = sampled(usual, Samples::One, SupersampleArg::All);
+        let one = range.all(Samples::One);
         let ladders = match self.seconds(one)? > aim {
-            true => vec![coarse(usual, coarsest)],
-            false => vec![fine(usual, Samples::Sixteen), fine(usual, Samples::SixtyFour)],
+            true => vec![range.coarse()],
+            false => vec![range.fine(Samples::Sixteen), range.fine(Samples::SixtyFour)],
         };
         // The best ladder.
         let mut best = (f64::INFINITY, 0);
@@ -184,7 +206,7 @@ impl<R: Ruler> Search<'_, R> {
         }
         let mut ladder = ladders[best.1].clone();
         // The ruler itself, where there is time for it and something to gain.
-        let exact = sampled(usual, Samples::SixtyFour, SupersampleArg::All);
+        let exact = range.all(Samples::SixtyFour);
         let top = *ladder.last().expect("a ladder has rungs");
         if self.seconds(one)? <= aim && self.seconds(top)? <= aim && self.error(top)? > NEGLIGIBLE {
             ladder.push(exact);
@@ -192,7 +214,7 @@ impl<R: Ruler> Search<'_, R> {
         let (rung, seconds) = self.settle(&ladder, aim)?;
         let quality = ladder[rung];
         let error = self.error(quality)?;
-        let note = if seconds > budget {
+        let note = if rung == 0 && seconds > budget {
             Some(format!("the cheapest setting takes {}", time(1000.0 * seconds)))
         } else if seconds >= 0.8 * budget {
             None
@@ -228,12 +250,12 @@ impl<R: Ruler> Search<'_, R> {
     }
 
     /// The cheapest quality of at most an error.
-    fn reaching(mut self, most: f64, usual: Quality, coarsest: u8) -> Result<Choice> {
-        let one = sampled(usual, Samples::One, SupersampleArg::All);
-        let exact = sampled(usual, Samples::SixtyFour, SupersampleArg::All);
+    fn reaching(mut self, most: f64, range: Range) -> Result<Choice> {
+        let one = range.all(Samples::One);
+        let exact = range.all(Samples::SixtyFour);
         let ladders = match self.error(one)? <= most {
-            true => vec![coarse(usual, coarsest)],
-            false => vec![fine(usual, Samples::Sixteen), fine(usual, Samples::SixtyFour), vec![exact]],
+            true => vec![range.coarse()],
+            false => vec![range.fine(Samples::Sixteen), range.fine(Samples::SixtyFour), vec![exact]],
         };
         let mut best: Option<Choice> = None;
         for ladder in &ladders {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use serde::Serialize;
 use voxdag::geometry::Geometry;
 
-use crate::budget::{self, Calibration, Goal};
+use crate::budget::{self, Calibration, Goal, Range};
 use crate::error::{Error, Result};
 use crate::formats;
 use crate::input::{self, Content};
@@ -235,8 +235,8 @@ fn choose(scene: &Shown<'_>, args: &Args, goal: Goal, memory: &Memory) -> Result
     }
     let usual = Quality { normals: args.picture.normals, arithmetic: args.picture.arithmetic, ..Quality::default() };
     let mut calibration = Calibration::new(scene, &args.picture, memory);
-    let coarsest = budget::COARSEST.min(scene.geometry.depth());
-    let choice = budget::choose(&mut calibration, goal, usual, coarsest)?;
+    let range = Range { usual, size: args.picture.size, depth: scene.geometry.depth() };
+    let choice = budget::choose(&mut calibration, goal, range)?;
     let (prepared, calibrated) = calibration.finish(choice.quality)?;
     let drawn = choice.quality.apply(&args.picture);
     let picture = prepared.draw(scene, &drawn, false, memory)?;
