@@ -39,7 +39,10 @@ fn what_was_chosen_can_be_typed() {
 #[test]
 fn the_choice_is_told_to_people() {
     let s = Sandbox::new();
-    let told = s.ok("render box.obj -r 64 -o a.png --size 40x30 --budget 500s").stdout;
+    s.ok("build box.obj -o box.vxd -r 64");
+    let run = s.ok("render box.vxd -o a.png --size 40x30 --budget 500s");
+    assert!(run.stderr.contains("info box.vxd"), "{}", run.stderr);
+    let told = run.stdout;
     for words in
         ["chosen ", "for 500.0 s; the most accurate setting takes only ", "expected ", "error 0.0", "calibration "]
     {

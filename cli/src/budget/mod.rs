@@ -65,6 +65,8 @@ const DEGREES: [f32; 25] = [
 const REGIONS: u32 = 40;
 /// The coarsest level of detail that is still a picture.
 const COARSEST: u8 = 4;
+/// The part of the time without it that a level of detail must stay below, to be worth its error.
+const WORTH: f64 = 0.9;
 
 /// What there is to choose from.
 #[derive(Clone, Copy)]
@@ -182,6 +184,18 @@ impl<R: Ruler> Search<'_, R> {
         Ok(error)
     }
 
+    /// One sample, with the levels of detail that are worth it.
+    fn coarse(&mut self, range: Range) -> Result<Vec<Quality>> {
+        let one = self.seconds(range.all(Samples::One))?;
+        let mut ladder = Vec::new();
+        for quality in range.coarse() {
+            if quality.lod == 0 || self.seconds(quality)? < WORTH * one {
+                ladder.push(quality);
+            }
+        }
+        Ok(ladder)
+    }
+
     /// The highest rung that takes at most so many seconds; the lowest one if none does.
     fn climb(&mut self, ladder: &[Quality], most: f64) -> Result<usize> {
         Ok(first(ladder.len(), |rung| Ok(self.seconds(ladder[rung])? > most))?.saturating_sub(1))
@@ -192,7 +206,7 @@ impl<R: Ruler> Search<'_, R> {
         let aim = AIM * budget;
         let one = range.all(Samples::One);
         let ladders = match self.seconds(one)? > aim {
-            true => vec![range.coarse()],
+            true => vec![self.coarse(range)?],
             false => vec![range.fine(Samples::Sixteen), range.fine(Samples::SixtyFour)],
         };
         // The best ladder.
@@ -254,7 +268,7 @@ impl<R: Ruler> Search<'_, R> {
         let one = range.all(Samples::One);
         let exact = range.all(Samples::SixtyFour);
         let ladders = match self.error(one)? <= most {
-            true => vec![range.coarse()],
+            true => vec![self.coarse(range)?],
             false => vec![range.fine(Samples::Sixteen), range.fine(Samples::SixtyFour), vec![exact]],
         };
         let mut best: Option<Choice> = None;

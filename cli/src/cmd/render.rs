@@ -186,7 +186,7 @@ pub fn run(args: &Args) -> Result<()> {
     if !is_scene {
         let scene = shell_word(&args.output.with_extension("vxd"));
         report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
-    } else if args.show == Show::Shaded && args.picture.samples.is_none() && args.picture.supersample.is_none() {
+    } else if args.show == Show::Shaded && drawn.samples.is_none() && drawn.supersample.is_none() {
         report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
