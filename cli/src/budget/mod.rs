@@ -51,7 +51,7 @@ pub trait Ruler {
 }
 
 /// The part of a budget that is aimed at: the rest is for what no calibration can foresee.
-const AIM: f64 = 0.95;
+const AIM: f64 = 0.97;
 /// Times nearer to the aim than this part of it are near enough.
 const NEAR: f64 = 0.04;
 /// Errors that rounding to 8 bits has anyway: less than that is nothing to pay for.
@@ -124,7 +124,7 @@ pub fn choose(ruler: &mut impl Ruler, goal: Goal, range: Range) -> Result<Choice
             let search = Search {
                 ruler,
                 effort: allowed / (32.0 * unit),
-                careful: allowed / (6.0 * unit),
+                careful: allowed / (8.0 * unit),
                 error_effort: allowed / (320.0 * rough),
                 seconds: Vec::new(),
                 errors: Vec::new(),
@@ -251,7 +251,7 @@ impl<R: Ruler> Search<'_, R> {
     fn settle(&mut self, ladder: &[Quality], aim: f64) -> Result<(usize, f64)> {
         let mut best: Option<(usize, f64)> = None;
         let mut search_for = aim;
-        for _ in 0..3 {
+        for _ in 0..4 {
             let rung = self.climb(ladder, search_for)?;
             let seconds = self.ruler.seconds(ladder[rung], self.careful)?;
             let off = |seconds: f64| (seconds / aim - 1.0).abs();

@@ -44,12 +44,15 @@ pub struct Args {
     #[arg(long, value_name = "F.pfm")]
     depth_out: Option<PathBuf>,
 
-    /// The most accurate picture whose rows take about this long here, such as 100ms or 1.5s: chooses samples and level
-    /// of detail after a calibration of a second or twice the time
+    /// The most accurate picture that takes about this long to draw here, such as 100ms or 1.5s
+    ///
+    /// Chooses samples and level of detail after a calibration of a second, or of twice the time if that is more.
     #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with_all = CHOSEN)]
     budget: Option<Duration>,
 
-    /// The cheapest picture here with at most this error, 0.001 to 1: RMSE in linear light against 64 samples
+    /// The cheapest picture here with at most this error, 0.001 to 1
+    ///
+    /// That is the RMSE in linear light against 64 samples of the same voxels, on a part of the rows.
     #[arg(long, value_name = "E", value_parser = error, conflicts_with_all = CHOSEN, conflicts_with = "budget")]
     target_error: Option<f64>,
 
