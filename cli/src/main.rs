@@ -1,9 +1,9 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
-//! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` (flags),
-//! `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores), `rays` and `formats` (other
-//! programs' files), `measure`, `progress`, `report`, `stats` and `error`. No algorithm of the
-//! field lives here.
+//! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` and `quality` (flags),
+//! `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores),
+//! `overlap`, `truth` and `metrics` (what to compare with, and how), `rays` and `formats` (other programs' files), `measure`,
+//! `machine`, `progress`, `report`, `stats` and `error`. No algorithm of the field lives here.
 
 mod budget;
 mod cmd;
@@ -61,6 +61,8 @@ enum Command {
     Verify(cmd::verify::Args),
     Cast(cmd::cast::Args),
     Export(cmd::export::Args),
+    Accuracy(cmd::accuracy::Args),
+    Compare(cmd::compare::Args),
     Bench(cmd::bench::Args),
     Thesis(cmd::thesis::Args),
     Selftest(cmd::selftest::Args),
@@ -78,6 +80,8 @@ fn main() {
         Command::Verify(args) => cmd::verify::run(&args),
         Command::Cast(args) => cmd::cast::run(&args),
         Command::Export(args) => cmd::export::run(&args),
+        Command::Accuracy(args) => cmd::accuracy::run(&args),
+        Command::Compare(args) => cmd::compare::run(&args),
         Command::Bench(args) => cmd::bench::run(&args),
         Command::Thesis(args) => cmd::thesis::run(&args),
         Command::Selftest(args) => cmd::selftest::run(&args),

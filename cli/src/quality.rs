@@ -1,10 +1,9 @@
 //! What of a picture's settings trades accuracy for time, as one value: what `accuracy` sweeps and `render --budget`
 //! chooses from. It is applied to the flags of a picture, and told as the flags that give it.
 
-use clap::ValueEnum;
 use voxdag::render::Samples;
 
-use crate::options::{ArithmeticArg, NormalsArg, PictureArgs, SupersampleArg};
+use crate::options::{ArithmeticArg, NormalsArg, PictureArgs, SupersampleArg, name_of};
 
 /// How well a picture is drawn.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -39,19 +38,16 @@ impl Quality {
 
     /// The flags that give it; those of the default are left out but for the samples.
     pub fn flags(self) -> String {
-        fn name<T: ValueEnum>(value: T) -> String {
-            value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
-        }
         let usual = Quality::default();
         let mut flags = format!("--samples {}", self.samples.count());
         if self.supersample != usual.supersample {
             flags += &format!(" --supersample {}", self.supersample);
         }
         if self.normals != usual.normals {
-            flags += &format!(" --normals {}", name(self.normals));
+            flags += &format!(" --normals {}", name_of(self.normals));
         }
         if self.arithmetic != usual.arithmetic {
-            flags += &format!(" --arithmetic {}", name(self.arithmetic));
+            flags += &format!(" --arithmetic {}", name_of(self.arithmetic));
         }
         if self.lod != usual.lod {
             flags += &format!(" --lod {}", self.lod);

@@ -7,9 +7,19 @@ use common::Sandbox;
 fn help_names_every_command_flag_and_default() {
     let s = Sandbox::new();
     let all = s.ok("--help").stdout;
-    for command in
-        ["demo", "build", "render", "info", "verify", "cast", "export", "selftest", "completions", "Exit codes"]
-    {
+    for command in [
+        "demo",
+        "build",
+        "render",
+        "info",
+        "verify",
+        "cast",
+        "export",
+        "compare",
+        "selftest",
+        "completions",
+        "Exit codes",
+    ] {
         assert!(all.contains(command), "no `{command}` in\n{all}");
     }
     let build = s.ok("build --help").stdout;

@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// The scene's mesh, as if it had been read; it is held.
-pub fn source(memory: &mut Memory) -> Result<Source> {
+fn source(memory: &mut Memory) -> Result<Source> {
     let (text, library) = (demo::obj(), demo::mtl());
     let text_bytes = (text.len() + library.len()) as u64;
     scene::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;

@@ -6,8 +6,8 @@
 //! - SSIM: [`ssim`], of the sRGB values, the mean of the three channels; 1 is equal.
 //! - FLIP: [`flip`], of the sRGB values, the mean over the pixels as its authors recommend; 0 is equal, 1 the most.
 //!
-//! Not by a library: SSIM, as that of `image-compare` 0.5 does not divide variances by the number of pixels (which shrinks
-//! the constant that stabilises them to a 64th) and looks at blocks side by side. `docs/numerics.md` has the comparisons.
+//! SSIM is our own: `image-compare` 0.5 adds variances up where the definition averages them, and finds errors a third too
+//! large. docs/numerics.md, "Errors of pictures", has all comparisons.
 
 #[cfg_attr(not(feature = "flip"), path = "no_flip.rs")]
 mod flip;

@@ -5,7 +5,7 @@ mod picture;
 mod values;
 
 pub use picture::{ArithmeticArg, CameraArgs, LightArg, LightingArgs, NormalsArg, PictureArgs, SupersampleArg};
-pub use values::{duration, error, picture_size, supersample};
+pub use values::{duration, error, picture_size, resolution, supersample};
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use clap::{Args, ValueEnum};
 use crate::error::{Error, Kind};
 use crate::memory::Memory;
 use crate::report::number as number_text;
-use values::{memory_size, positive, resolution, threads, triple};
+use values::{memory_size, positive, threads, triple};
 
 /// How the mesh becomes voxels.
 #[derive(Args, Clone, Debug, Default)]

@@ -1,9 +1,10 @@
-//! How far the shape of voxels is off, pixel by pixel: one ray through each pixel's centre, by the camera of the picture.
+//! How far the shape of voxels is off, pixel by pixel: one ray through each pixel's centre, by the camera of the
+//! picture.
 //!
-//! In: what the rays meet in truth ([`look`](super::look)), and the voxels. Out: pixels that show something where there is
-//! nothing or nothing where there is something; and of those that show something in both, how far its distance and its
-//! direction are off. Where a silhouette lets one ray pass another surface is seen, far behind: that counts as what it is,
-//! so the largest depth error tells of silhouettes and the mean and the 95 % of surfaces.
+//! In: what the rays meet in truth ([`look`](super::look)), and the voxels. Out: pixels that show something where there
+//! is nothing or nothing where there is something; and of those that show something in both, how far its distance and
+//! its direction are off. Where a silhouette lets one ray pass another surface is seen, far behind: that counts as what
+//! it is, so the largest depth error tells of silhouettes and the mean and the 95 % of surfaces.
 
 use serde::Serialize;
 use voxdag::camera::{Camera, Rays};
@@ -22,6 +23,8 @@ use crate::trees::{Trees, with_tracer};
 /// How a set of deviations spreads.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
 pub struct Deviations {
+    /// Half of them are at most this.
+    pub median: f64,
     pub mean: f64,
     /// 95 % of them are at most this.
     pub p95: f64,
@@ -123,6 +126,86 @@ impl Deviations {
         let max = *values.last()?;
         // The smallest value that 95 % do not exceed.
         let p95 = values[(values.len() * 19).div_ceil(20) - 1];
-        Some(Deviations { mean: values.iter().sum::<f64>() / values.len() as f64, p95, max })
+        let median = values[values.len().div_ceil(2) - 1];
+        Some(Deviations { median, mean: values.iter().sum::<f64>() / values.len() as f64, p95, max })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::look;
+    use super::super::shapes::Closed;
+    use super::*;
+    use crate::options::BuildArgs;
+    use crate::scene::{self, Source};
+    use voxdag::obj::Model;
+    use voxdag_oracle::scenes;
+
+    /// A floor a quarter of a voxel above the border between two layers fills the upper one: seen from above the voxels
+    /// are three quarters of one nearer.
+    #[test]
+    fn a_floor_is_off_by_what_it_lies_below_its_voxels() {
+        let (mut memory, size) = (Memory::new(None), [40, 30]);
+        let (voxel_size, height) = (0.25, 10.25 * 0.25);
+        let scenes::Shape { positions, triangles } = scenes::tilted_plane(16.0, 0.0, height);
+        let source = Source::of("floor", Model { positions, triangles, ..Model::default() });
+        let args = BuildArgs {
+            origin: Some([0.0; 3]),
+            voxel_size: Some(voxel_size),
+            resolution: Some(64),
+            ..BuildArgs::default()
+        };
+        let built = scene::build(&source, &args, &mut memory).unwrap();
+
+        // Some pixels look past it.
+        let camera = Camera { eye: [8.0, 8.0, 20.0], target: [8.0, 8.0, 0.0], up: [0.0, 1.0, 0.0], fov_y: 60.0 };
+        let floor = Closed::Sheet { center: [8.0, 8.0, height], edges: [[8.0, 0.0, 0.0], [0.0, 8.0, 0.0]] };
+        let truth = look(&floor, &camera, size, &memory).unwrap();
+        let rays = camera.rays(size[0], size[1]).unwrap();
+        let mut expected: Vec<f64> = (0..size[0] * size[1])
+            .filter(|&i| truth[i as usize].is_some())
+            .map(|i| rays.direction(f64::from(i % size[0]) + 0.5, f64::from(i / size[0]) + 0.5))
+            .map(|dir| 0.75 * math::sqrt(math::dot(dir, dir)))
+            .collect();
+        expected.sort_unstable_by(f64::total_cmp);
+        let count = expected.len();
+        assert!(count > 400 && count < 1200, "{count}");
+
+        for arithmetic in [Arithmetic::Exact, Arithmetic::F64, Arithmetic::F32] {
+            let how = (NormalKind::Plane2, arithmetic);
+            let shown = built.shown();
+            let trees = Trees::new(shown.geometry, &memory);
+            let errors = shape_errors(&truth, (&shown, &trees), &camera, size, how, &memory).unwrap();
+            assert_eq!((errors.silhouette, errors.both), (0, count as u64));
+            let (depth, normal) = (errors.depth.unwrap(), errors.normal.unwrap());
+            let mean = expected.iter().sum::<f64>() / count as f64;
+            let p95 = expected[(0.95 * count as f64).ceil() as usize - 1];
+            let near = |a: f64, b: f64| (a - b).abs() < if arithmetic == Arithmetic::F32 { 1e-3 } else { 1e-9 };
+            assert!(
+                near(depth.mean, mean) && near(depth.p95, p95) && near(depth.max, expected[count - 1]),
+                "{depth:?}"
+            );
+            assert_eq!((normal.mean, normal.max), (0.0, 0.0));
+        }
+    }
+
+    #[test]
+    fn pixels_are_compared_one_by_one() {
+        let (size, camera) =
+            ([4, 1], Camera { eye: [0.0; 3], target: [0.0, 0.0, -1.0], up: [0.0, 1.0, 0.0], fov_y: 1e-6 });
+        let met = |t| Some(Met { t, normal: [0.0, 0.0, 1.0], side: [0.0, 0.0, 1.0], material: 0 });
+        let truth = [met(2.0), met(3.0), None, None];
+        let seen = [Some((2.5, [0.0, 0.0, 1.0])), None, Some((1.0, [1.0, 0.0, 0.0])), None];
+        let rays = camera.rays(size[0], size[1]).unwrap();
+        let errors = compare(&truth, &seen, &rays, size, 0.25);
+        assert_eq!((errors.silhouette, errors.both, errors.normal.unwrap().max), (2, 1, 0.0));
+        assert!((errors.depth.unwrap().mean - 2.0).abs() < 1e-12);
+        assert!((degrees([0.0, 2.0, 0.0], [0.0, 1.0, -1.0]) - 45.0).abs() < 1e-12);
+        assert_eq!(degrees([0.0, 2.0, 0.0], [0.0, -1.0, 0.0]), 180.0);
+        assert_eq!(compare(&[None], &[None], &rays, [1, 1], 1.0).depth, None);
+
+        let spread = Deviations::of((1..=100).rev().map(f64::from).collect()).unwrap();
+        assert_eq!((spread.mean, spread.p95, spread.max), (50.5, 95.0, 100.0));
+        assert_eq!(Deviations::of(vec![3.0]).unwrap().p95, 3.0);
     }
 }

@@ -1,13 +1,14 @@
 //! Rays against the triangles of a mesh.
 //!
-//! In: a mesh that was validated. Out: the nearest triangle, decided in f64 for the corners as they are in the file. The
-//! boxes around the triangles and the walk through them are the library's, in f32: rays start and boxes are padded
+//! In: a mesh that was validated. Out: the nearest triangle, decided in f64 for the corners as they are in the file.
+//! The boxes around the triangles and the walk through them are the library's, in f32: rays start and boxes are padded
 //! so that the walk never misses what the ray meets (see [`PAD`]).
 //!
-//! The test is that of Woop, Benthin and Wald (2013, "Watertight Ray/Triangle Intersection"), with f64 for their f32: the
-//! corners are sheared along the ray into a plane, each the same for all triangles that share it, and the signs of three edge
-//! functions decide. `a b - c d` of rounded products has the sign of the true one or is 0, and 0 counts as inside: no ray
-//! passes between two triangles. Of triangles met at one time the first of the file counts, however the boxes lie.
+//! The test is that of Woop, Benthin and Wald (2013, "Watertight Ray/Triangle Intersection"), with f64 for their f32:
+//! the corners are sheared along the ray into a plane, each the same for all triangles that share it, and the signs of
+//! three edge functions decide. `a b - c d` of rounded products has the sign of the true one or is 0, and 0 counts as
+//! inside: no ray passes between two triangles. Of triangles met at one time the first of the file counts, however the
+//! boxes lie.
 
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
@@ -17,12 +18,13 @@ use obvhs::ray::{Ray, RayHit};
 use voxdag::{Mesh, math};
 
 use super::{Met, Truth, facing, towards_viewer};
-use crate::error::Result;
+use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
 
-/// How far boxes reach beyond their triangles, where the mesh's box reaches from -1 to 1. Rays start at most 2 sqrt(2) from
-/// the middle and end within 4 of their start; so what rounding to f32 does to the start, the direction, its inverse (the
-/// library takes components below 2^-23 for that) and the distances moves a box's sides by less than 2^-19.
+/// How far boxes reach beyond their triangles, where the mesh's box reaches from -1 to 1. Rays start at most 2 sqrt(2)
+/// from the middle and end within 4 of their start; so what rounding to f32 does to the start, the direction, its
+/// inverse (the library takes components below 2^-23 for that) and the distances moves a box's sides by less than
+/// 2^-19.
 const PAD: f64 = 1.0 / (1 << 17) as f64;
 /// Radius of a ball around the middle that holds the mesh's box, and a little more.
 const BALL: f64 = 2.0;
@@ -58,7 +60,7 @@ impl Unit {
         let closest = math::add_scaled(start, unit, middle);
         let skipped = (middle - BALL).max(0.0);
         let start = math::add_scaled(start, unit, skipped);
-        // Not so for a ray that leaves the ball behind, either, nor for numbers that are none.
+        // It passes by the ball or leaves it behind, or its numbers are none.
         if !(math::dot(closest, closest) <= BALL * BALL && middle >= -BALL) {
             return None;
         }
@@ -81,11 +83,12 @@ impl Unit {
 impl<'a> MeshTruth<'a> {
     /// Sorts the triangles of a mesh into boxes. The mesh must be valid.
     pub fn new(mesh: Mesh<'a>, memory: &Memory) -> Result<MeshTruth<'a>> {
-        let bounds = mesh.validate().map_err(|error| crate::error::Error::new(crate::error::Kind::BadInput, error))?;
+        let bounds = mesh.validate().map_err(|error| Error::new(Kind::BadInput, error))?;
         let bytes = BYTES * mesh.triangles.len() as u64;
-        memory.afford(bytes, "the ground truth", "take a mesh of fewer triangles")?;
-        let frame =
-            Unit { center: bounds.center(), scale: if bounds.extent() > 0.0 { 2.0 / bounds.extent() } else { 1.0 } };
+        memory.afford(bytes, "the ground truth", "raise --memory-limit, or take a mesh of fewer triangles")?;
+        // Of a single point, and of sizes at the ends of f64, there is nothing to scale.
+        let scale = Some(2.0 / bounds.extent()).filter(|scale| scale.is_normal()).unwrap_or(1.0);
+        let frame = Unit { center: bounds.center(), scale };
         let corners = |t: usize| mesh.triangles[t].map(|vertex| mesh.positions[vertex as usize]);
         let padded: Vec<Aabb> = (0..mesh.triangles.len()).map(|t| frame.boxed(&corners(t))).collect();
         let boxes = build_bvh2(&padded, BvhBuildParams::medium_build(), &mut Default::default());

@@ -12,7 +12,7 @@ mod shapes;
 pub use draw::{Lit, draw, look};
 pub use errors::{Deviations, ShapeErrors, shape_errors};
 pub use mesh::MeshTruth;
-pub use shapes::{Closed, Known};
+pub use shapes::Known;
 
 use voxdag::material::MaterialId;
 use voxdag::math;
@@ -34,8 +34,8 @@ pub trait Truth: Sync {
     /// The first surface along the half line, after t = 0; `None` also for a direction that is none.
     fn nearest(&self, origin: [f64; 3], dir: [f64; 3]) -> Option<Met>;
 
-    /// Whether there is a surface after t = 0 and before `t_max`. The ray is to start clear of the surface it leaves: see
-    /// [`Truth::extent`].
+    /// Whether there is a surface after t = 0 and before `t_max`. The ray is to start clear of the surface it leaves:
+    /// see [`Truth::extent`].
     fn occluded(&self, origin: [f64; 3], dir: [f64; 3], t_max: f64) -> bool {
         self.nearest(origin, dir).is_some_and(|met| met.t < t_max)
     }
@@ -44,9 +44,9 @@ pub trait Truth: Sync {
     fn extent(&self) -> f64;
 }
 
-/// `normal` (not 0, of either side) as a surface shows it whose own unit normal towards the viewer is `side`, at unit length: in
-/// the half space of `side`, and, as interpolated normals may point away from a viewer who sees the surface, turned up just
-/// so far that it does not. `side` where nothing of it is left.
+/// `normal` (not 0, of either side) as a surface shows it whose own unit normal towards the viewer is `side`, at unit
+/// length: in the half space of `side`, and, as interpolated normals may point away from a viewer who sees the surface,
+/// turned up just so far that it does not. `side` where nothing of it is left.
 fn facing(normal: [f64; 3], side: [f64; 3], dir: [f64; 3]) -> [f64; 3] {
     let Some(n) = math::normalize(normal) else { return side };
     let n = if math::dot(n, side) < 0.0 { n.map(|x| -x) } else { n };

@@ -1,13 +1,13 @@
 //! Surfaces that have a formula, and the meshes that are voxelised for them.
 //!
-//! In: a name. Out: the surface in closed form, and a source of triangles that is so close to it that the difference is no
-//! matter beside a voxel: the plane and the wall are the same but for rounding, the sphere is off by less than 0.02 and the torus by
+//! In: a name. Out: the surface in closed form, and a source of triangles that is so close to it that the difference is
+//! no matter beside a voxel: the plane and the wall are the same but for rounding, the sphere and the torus are off by
 //! less than 0.02 voxels at a resolution of 2048. All stand upright for a camera that looks down on them, y upwards.
 //!
-//! The torus is a quartic of the ray. It is taken about the ray's point nearest to the middle, where it has no cubic term and
-//! all roots lie within the ball around the torus; they are found between the roots of its derivative, which are found between
-//! those of the second, by Newton's steps that bisection keeps from leaving (Press et al., Numerical Recipes, section 9.4). So
-//! each piece is monotone, has one root at most, and none is missed.
+//! The torus is a quartic of the ray. It is taken about the ray's point nearest to the middle, where it has no cubic
+//! term and all roots lie within the ball around the torus; they are found between the roots of its derivative, which
+//! are found between those of the second, by Newton's steps that bisection keeps from leaving (Press et al., Numerical
+//! Recipes, section 9.4). So each piece is monotone, has one root at most, and none is missed.
 
 use clap::ValueEnum;
 use voxdag::Material;
@@ -72,9 +72,6 @@ const PIECES: [u32; 2] = [1024, 512];
 const TORUS: [f64; 2] = [1.0, 0.4];
 
 impl Known {
-    /// All of them.
-    pub const ALL: [Known; 4] = [Known::Sphere, Known::Torus, Known::Plane, Known::Wall];
-
     /// The surface.
     pub fn closed(self) -> Closed {
         match self {
@@ -95,7 +92,8 @@ impl Known {
         }
     }
 
-    /// The mesh that is voxelised for it, as if it had been read; in a grey with a highlight, which shows what normals do.
+    /// The mesh that is voxelised for it, as if it had been read; in a grey with a highlight, which shows what normals
+    /// do.
     pub fn source(self) -> Source {
         let Shape { positions, triangles } = self.shape();
         let material = Material { specular: [0.4; 3], shininess: 30, illum: 2, ..Material::GREY };
@@ -185,8 +183,9 @@ impl Line {
     fn torus(&self, major: f64, minor: f64) -> At {
         let (p, d, square) = (self.point, self.dir, 4.0 * major * major);
         let nearest = math::dot(p, p);
-        let reach = math::sqrt((major + minor) * (major + minor) - nearest);
-        // NaN for a line that stays away.
+        // Within a ball that is a little larger, whose border has no root. NaN for a line that stays away.
+        let ball = 1.01 * (major + minor);
+        let reach = math::sqrt(ball * ball - nearest);
         if !(reach > self.start) {
             return None;
         }
@@ -247,8 +246,8 @@ impl Line {
     }
 }
 
-/// The roots of a function, ascending, that is monotone from `from` to the first of `stops`, and on to each next one; each
-/// value is given with the slope. Stops outside of `span` are taken at its ends.
+/// The roots of a function, ascending, that is monotone from `from` to the first of `stops`, and on to each next one;
+/// each value is given with the slope. Stops outside of `span` are taken at its ends.
 struct Roots<F, I> {
     f: F,
     from: f64,
@@ -290,4 +289,146 @@ fn root(f: impl Fn(f64) -> (f64, f64), mut from: f64, mut to: f64) -> f64 {
         s = next;
     }
     s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MeshTruth;
+    use super::*;
+    use crate::memory::Memory;
+    use voxdag::camera::Camera;
+    use voxdag::grid::UpAxis;
+    use voxdag_oracle::rng::Rng;
+
+    /// How far a point is from a surface.
+    fn distance(closed: &Closed, p: [f64; 3]) -> f64 {
+        let length = |a: [f64; 3]| math::sqrt(math::dot(a, a));
+        match *closed {
+            Closed::Sphere { radius } => (length(p) - radius).abs(),
+            Closed::Torus { major, minor } => {
+                let out = math::sqrt(p[0] * p[0] + p[2] * p[2]) - major;
+                (math::sqrt(out * out + p[1] * p[1]) - minor).abs()
+            }
+            Closed::Sheet { .. } => (p[1] - RISE * (p[0] + p[2]) / 2.0).abs(),
+            Closed::Block { edges, .. } => {
+                let lengths = edges.map(length);
+                let off = |i: usize| (math::dot(p, edges[i]).abs() / lengths[i] - lengths[i]).abs();
+                off(0).min(off(1)).min(off(2))
+            }
+        }
+    }
+
+    #[test]
+    fn the_meshes_are_within_a_fiftieth_of_a_voxel() {
+        for known in Known::value_variants().iter().copied() {
+            let (closed, shape) = (known.closed(), known.shape());
+            let bounds = shape.mesh().validate().unwrap();
+            let voxel = bounds.extent() / 2048.0;
+            assert!((bounds.extent() / closed.extent() - 1.0).abs() < 1e-4, "{known:?}");
+            // Corners, middles of edges, and the middle, where triangles are farthest off.
+            let farthest = shape.corners().flat_map(|[a, b, c]| {
+                let mix = |u: f64, v: f64, w: f64| [0, 1, 2].map(|i| (u * a[i] + v * b[i] + w * c[i]) / (u + v + w));
+                [mix(1.0, 0.0, 0.0), mix(1.0, 1.0, 0.0), mix(0.0, 1.0, 1.0), mix(1.0, 0.0, 1.0), mix(1.0, 1.0, 1.0)]
+            });
+            let farthest = farthest.map(|p| distance(&closed, p)).fold(0.0, f64::max) / voxel;
+            let bound = if matches!(known, Known::Sphere | Known::Torus) { 0.02 } else { 1e-10 };
+            assert!(farthest < bound, "{known:?}: {farthest} voxels");
+        }
+    }
+
+    #[test]
+    fn rays_meet_the_formula_where_they_meet_its_mesh() {
+        let memory = Memory::new(None);
+        for known in Known::value_variants().iter().copied() {
+            let (closed, source) = (known.closed(), known.source());
+            let mesh = source.model.mesh();
+            let camera = Camera::framing(&mesh.validate().unwrap(), UpAxis::Y);
+            let size = [64, 36];
+            let truth = MeshTruth::new(mesh, &memory).unwrap();
+            let met = super::super::look(&truth, &camera, size, &memory).unwrap();
+            let expected = super::super::look(&closed, &camera, size, &memory).unwrap();
+            let rays = camera.rays(size[0], size[1]).unwrap();
+            let (mut hits, mut beyond) = (0, 0);
+            for (i, pair) in met.iter().zip(&expected).enumerate() {
+                let (Some(met), Some(expected)) = pair else {
+                    beyond += u32::from(pair.0 != pair.1);
+                    continue;
+                };
+                hits += 1;
+                let dir = rays.direction((i % 64) as f64 + 0.5, (i / 64) as f64 + 0.5);
+                let off = ((met.t - expected.t) * math::dot(dir, expected.side)).abs();
+                let cosine = math::dot(met.side, expected.normal);
+                // A horizon may let a ray pass to what is behind; and the mesh's normals are those of its flat pieces.
+                beyond += u32::from(!(off < 5e-5 && cosine > 0.9999));
+            }
+            assert!(hits > 200 && beyond <= 3, "{known:?}: {hits} hits, {beyond} off");
+        }
+    }
+
+    #[test]
+    fn a_torus_is_met_from_everywhere() {
+        let torus = Known::Torus.closed();
+        let met = |origin, dir| torus.nearest(origin, dir).map(|met| (met.t, met.normal));
+        let near = |found: Option<(f64, [f64; 3])>, t: f64, normal: [f64; 3]| {
+            let (time, n) = found.unwrap();
+            assert!((time - t).abs() < 1e-12 && math::dot(n, normal) > 1.0 - 1e-12, "{time} {n:?}");
+        };
+        near(met([1.0, 5.0, 0.0], [0.0, -2.0, 0.0]), 2.3, [0.0, 1.0, 0.0]);
+        near(met([3.0, 0.0, 0.0], [-1.0, 0.0, 0.0]), 1.6, [1.0, 0.0, 0.0]);
+        near(met([0.0; 3], [1.0, 0.0, 0.0]), 0.6, [-1.0, 0.0, 0.0]);
+        // From within the ring, and from behind it.
+        near(met([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), 0.4, [0.0, -1.0, 0.0]);
+        assert_eq!(met([0.0, 5.0, 0.0], [0.0, -1.0, 0.0]), None);
+        assert_eq!(met([-1.5, 0.0, 0.0], [-1.0, 0.0, 0.0]), None);
+        assert_eq!(met([0.0; 3], [0.0; 3]), None);
+
+        // Small steps along the ray until the side changes.
+        let (mut rng, mut hits) = (Rng::new(73), 0);
+        for ray in 0..if cfg!(miri) { 3 } else { 300 } {
+            let origin = rng.direction().map(|x| 2.0 * x);
+            let dir = math::sub(rng.direction(), origin);
+            let inside = |t: f64| {
+                let p = math::add_scaled(origin, dir, t);
+                let out = math::sqrt(p[0] * p[0] + p[2] * p[2]) - 1.0;
+                out * out + p[1] * p[1] < 0.16
+            };
+            let step = 4.0 / 20_000.0;
+            let first = (0..20_000).map(|i| f64::from(i) * step).find(|&t| inside(t) != inside(t + step));
+            match (first, torus.nearest(origin, dir)) {
+                (Some(t), Some(met)) => {
+                    hits += 1;
+                    assert!((t - 1e-12..=t + step + 1e-12).contains(&met.t), "ray {ray} of seed 73: {t}, {}", met.t);
+                }
+                // Less than a step of the ray is inside, or the surface is more than four directions away.
+                (None, Some(met)) => {
+                    assert!(met.t > 4.0 - step || inside(met.t + 1e-9), "ray {ray} of seed 73: {met:?}")
+                }
+                (Some(t), None) => panic!("ray {ray} of seed 73: missed at {t}"),
+                (None, None) => {}
+            }
+        }
+        assert!(cfg!(miri) || hits > 100, "{hits}");
+    }
+
+    #[test]
+    fn spheres_sheets_and_blocks_are_met_in_front() {
+        let met = |closed: Closed, origin, dir| closed.nearest(origin, dir).map(|met| (met.t, met.normal));
+        let ball = Closed::Sphere { radius: 2.0 };
+        assert_eq!(met(ball, [0.0, 0.0, 8.0], [0.0, 0.0, -3.0]), Some((2.0, [0.0, 0.0, 1.0])));
+        assert_eq!(met(ball, [0.0, 0.0, 1.0], [0.0, 0.0, 1.0]), Some((1.0, [0.0, 0.0, -1.0])));
+        assert_eq!(met(ball, [0.0, 0.0, 8.0], [0.0, 0.0, 3.0]), None);
+
+        // A parallelogram whose edges are not at right angles.
+        let sheet = Closed::Sheet { center: [0.0, 0.0, 5.0], edges: [[2.0, 0.0, 0.0], [2.0, 1.0, 0.0]] };
+        assert_eq!(met(sheet, [3.5, 0.9, 0.0], [0.0, 0.0, 2.0]), Some((2.5, [0.0, 0.0, -1.0])));
+        assert_eq!(met(sheet, [3.5, -0.9, 0.0], [0.0, 0.0, 2.0]), None);
+        assert_eq!(met(sheet, [0.0; 3], [1.0, 0.0, 0.0]), None);
+
+        let edges = [[0.0, 3.0, 0.0], [0.0, 0.0, 1.0], [2.0, 0.0, 0.0]];
+        let block = Closed::Block { center: [10.0, 0.0, 0.0], edges };
+        assert_eq!(met(block, [0.0, 2.9, 0.9], [4.0, 0.0, 0.0]), Some((2.0, [-1.0, 0.0, 0.0])));
+        assert_eq!(met(block, [10.0, 0.0, 0.0], [0.0, -1.0, 0.0]), Some((3.0, [0.0, 1.0, 0.0])));
+        assert_eq!(met(block, [0.0, 3.1, 0.0], [4.0, 0.0, 0.0]), None);
+        assert_eq!(met(block, [13.0, 0.0, 0.0], [4.0, 0.0, 0.0]), None);
+    }
 }
