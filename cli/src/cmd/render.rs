@@ -1,17 +1,20 @@
 //! `voxdag render`: a mesh or a scene becomes a picture.
 
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use voxdag::geometry::Geometry;
 
+use crate::budget::{self, Calibration, Goal, Range};
 use crate::error::{Error, Result};
 use crate::formats;
 use crate::input::{self, Content};
 use crate::memory::Memory;
-use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg};
+use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, duration, error};
 use crate::output::Output;
 use crate::picture::{self, Picture, Rays, Shown};
+use crate::quality::Quality;
 use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::show::{self, Show, Spread};
@@ -41,6 +44,18 @@ pub struct Args {
     #[arg(long, value_name = "F.pfm")]
     depth_out: Option<PathBuf>,
 
+    /// The most accurate picture that takes about this long to draw here, such as 100ms or 1.5s
+    ///
+    /// Chooses samples and level of detail after a calibration of a second, or of twice the time if that is more.
+    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with_all = CHOSEN)]
+    budget: Option<Duration>,
+
+    /// The cheapest picture here with at most this error, 0.001 to 1
+    ///
+    /// That is the RMSE in linear light against 64 samples of the same voxels, on a part of the rows.
+    #[arg(long, value_name = "E", value_parser = error, conflicts_with_all = CHOSEN, conflicts_with = "budget")]
+    target_error: Option<f64>,
+
     #[command(flatten)]
     report: ReportArgs,
     #[command(flatten)]
@@ -50,6 +65,9 @@ pub struct Args {
     #[command(flatten)]
     machine: MachineArgs,
 }
+
+/// The flags that `--budget` and `--target-error` choose.
+const CHOSEN: [&str; 3] = ["samples", "supersample", "lod"];
 
 /// What `render --json` prints.
 #[derive(Serialize)]
@@ -76,8 +94,31 @@ struct Report<'a> {
     shown: Option<Spread>,
     #[serde(skip)]
     show: Show,
+    /// What `--budget` or `--target-error` chose.
+    chosen: Option<Chosen>,
     peak_rss_bytes: Option<u64>,
     threads: usize,
+}
+
+/// A choice, and what it was expected to give.
+#[derive(Serialize)]
+struct Chosen {
+    /// As they can be typed.
+    flags: String,
+    #[serde(skip)]
+    quality: Quality,
+    /// Of these one was asked for.
+    budget_ms: Option<f64>,
+    target_error: Option<f64>,
+    /// Of drawing the rows: what was expected, and what came of it.
+    expected_ms: f64,
+    got_ms: f64,
+    /// On the rows that were looked at.
+    expected_error: f64,
+    /// Calibrating, without what it derived.
+    calibration_ms: f64,
+    /// Why it is not closer to what was asked for.
+    note: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -116,7 +157,9 @@ pub fn run(args: &Args) -> Result<()> {
             (pool.install(|| draw(&built.shown(), args, &memory))?, built.grid, false)
         }
     };
-    let Drawn { picture, shown, depths } = drawn;
+    let Drawn { picture, shown, depths, chosen } = drawn;
+    let quality = chosen.as_ref().map(|chosen| chosen.quality);
+    let drawn = quality.map_or(args.picture.clone(), |quality| quality.apply(&args.picture));
     output.finish(|file| picture.write_png(file))?;
     if let (Some(output), Some(depths)) = (depth_output, depths) {
         output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
@@ -127,16 +170,17 @@ pub fn run(args: &Args) -> Result<()> {
         width,
         height,
         samples: picture.samples,
-        supersample: args.picture.supersample.unwrap_or(SupersampleArg::All).to_string(),
+        supersample: drawn.supersample.unwrap_or(SupersampleArg::All).to_string(),
         supersampled: picture.supersampled,
         resolution: grid.resolution,
-        lod: args.picture.lod,
+        lod: drawn.lod,
         rays,
         hits,
         ms: Ms { derive: ms(derive), trace: ms(trace), total: ms(start.elapsed()) },
         effects,
         shown,
         show: args.show,
+        chosen,
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
     };
@@ -145,7 +189,7 @@ pub fn run(args: &Args) -> Result<()> {
     if !is_scene {
         let scene = shell_word(&args.output.with_extension("vxd"));
         report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
-    } else if args.show == Show::Shaded && args.picture.samples.is_none() && args.picture.supersample.is_none() {
+    } else if args.show == Show::Shaded && drawn.samples.is_none() && drawn.supersample.is_none() {
         report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
@@ -158,10 +202,18 @@ struct Drawn {
     picture: Picture,
     shown: Option<Spread>,
     depths: Option<Vec<f32>>,
+    chosen: Option<Chosen>,
 }
 
 /// Draws what the flags ask for.
 fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
+    let goal = match (args.budget, args.target_error) {
+        (Some(budget), _) => Some(Goal::Seconds(budget.as_secs_f64())),
+        (None, error) => error.map(Goal::Error),
+    };
+    if let Some(goal) = goal {
+        return choose(scene, args, goal, memory);
+    }
     let (picture, shown) = match args.show {
         Show::Samples if args.picture.supersample.is_none() => {
             return Err(Error::usage("--show samples: without --supersample all pixels are alike")
@@ -173,7 +225,37 @@ fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
         show => show::draw(scene, &args.picture, show, memory)?,
     };
     let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, memory)).transpose()?;
-    Ok(Drawn { picture, shown, depths })
+    Ok(Drawn { picture, shown, depths, chosen: None })
+}
+
+/// Chooses how to draw, and draws.
+fn choose(scene: &Shown<'_>, args: &Args, goal: Goal, memory: &Memory) -> Result<Drawn> {
+    if args.show != Show::Shaded {
+        return Err(Error::usage(
+            "--budget and --target-error choose samples: what --show shows has one ray per pixel",
+        )
+        .hint("leave --show away"));
+    }
+    let usual = Quality { normals: args.picture.normals, arithmetic: args.picture.arithmetic, ..Quality::default() };
+    let mut calibration = Calibration::new(scene, &args.picture, memory);
+    let range = Range { usual, size: args.picture.size, depth: scene.geometry.depth() };
+    let choice = budget::choose(&mut calibration, goal, range)?;
+    let (prepared, calibrated) = calibration.finish(choice.quality)?;
+    let drawn = choice.quality.apply(&args.picture);
+    let picture = prepared.draw(scene, &drawn, false, memory)?;
+    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &drawn, memory)).transpose()?;
+    let chosen = Chosen {
+        flags: choice.quality.flags(),
+        quality: choice.quality,
+        budget_ms: args.budget.map(ms),
+        target_error: args.target_error,
+        expected_ms: 1000.0 * choice.seconds,
+        got_ms: ms(picture.trace),
+        expected_error: choice.error,
+        calibration_ms: ms(calibrated),
+        note: choice.note,
+    };
+    Ok(Drawn { picture, shown: None, depths, chosen: Some(chosen) })
 }
 
 /// The report for people.
@@ -203,6 +285,18 @@ fn lines(report: &Report<'_>) -> Lines {
         };
         let [min, mean, max] = [min, mean, max].map(|x| x as f32);
         lines.row(label, format!("{min} to {max}, mean {mean}: {colours}"));
+    }
+    if let Some(chosen) = &report.chosen {
+        let Chosen { expected_ms, got_ms, expected_error, calibration_ms, .. } = *chosen;
+        let asked = match (chosen.budget_ms, chosen.target_error) {
+            (Some(budget), _) => format!("for {}", time(budget)),
+            (None, error) => format!("for an error of {}", error.unwrap_or_default()),
+        };
+        let note = chosen.note.as_ref().map_or(String::new(), |note| format!("; {note}"));
+        lines
+            .row("chosen", format!("{} {asked}{note}", chosen.flags))
+            .row("expected", format!("{}, error {expected_error:.4}; got {}", time(expected_ms), time(got_ms)))
+            .row("calibration", time(calibration_ms));
     }
     lines
         .row(

@@ -5,7 +5,7 @@ mod picture;
 mod values;
 
 pub use picture::{ArithmeticArg, CameraArgs, LightArg, LightingArgs, NormalsArg, PictureArgs, SupersampleArg};
-pub use values::{picture_size, resolution, supersample};
+pub use values::{duration, error, picture_size, resolution, supersample};
 
 use std::path::Path;
 
