@@ -153,6 +153,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn there_is_room_for_what_is_near() {
+        let shape = voxdag_oracle::scenes::sphere([0.0; 3], 1.0, 3);
+        let grid = Grid::fit(&shape.mesh().validate().unwrap(), 64).unwrap();
+        let near = near(&shape.mesh(), &grid);
+        // Around the surface, 4 pi 8^2 bricks and their neighbours, of one to several triangles each.
+        assert!((800..8000).contains(&near.len()), "{}", near.len());
+        assert_eq!(bytes(&shape.mesh(), &grid), 2 * size_of_val(&near[..]) as u64);
+    }
+
+    #[test]
     fn what_lacks_and_what_is_too_much() {
         let at = |code: u64, mask| (Morton(64 * code), mask);
         let truth = [at(1, 0b1111), at(3, 0b1), at(4, 0b11)];
