@@ -142,9 +142,18 @@ fn picks(report: &Report, crops: &[Crop]) -> Markup {
                         img src=(crop.picture) alt=(s.label);
                     }
                     p.number { (time(s.render_ms.median)) " " small { "RMSE " (error(s.error.rmse)) } }
-                    p { code { (s.flags) } }
+                    p { code { (unbroken(&s.flags)) } }
                 }
             }
+        }
+    }
+}
+
+/// Flags, of which none is broken across lines.
+fn unbroken(flags: &str) -> Markup {
+    html! {
+        @for (i, flag) in flags.split(" --").enumerate() {
+            @if i > 0 { " " span { "--" (flag) } } @else { span { (flag) } }
         }
     }
 }
