@@ -28,7 +28,7 @@ use crate::options::{
 };
 use crate::output::{Folder, Output, Scratch};
 use crate::picture;
-use crate::report::{Lines, grouped, shell_word, time};
+use crate::report::{Lines, file_name, grouped, shell_word, time};
 use crate::scene::{self, Source};
 use crate::truth::{Known, MeshTruth, Truth};
 use measure::{Found, Subject};
@@ -237,12 +237,6 @@ impl Args {
             (None, None) => "the scene that comes along".to_owned(),
         }
     }
-}
-
-/// A name that file systems and links take as it is.
-fn file_name(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || ".-".contains(c) { c } else { '_' };
-    name.chars().map(plain).collect()
 }
 
 /// The report for people.
