@@ -152,3 +152,57 @@ fn what_cannot_be_measured_is_said() {
         .fails(2, &["no ray of the picture hits the mesh", "--eye"]);
     assert_eq!(s.files(), before);
 }
+
+/// Where a single voxel is all that is left there are no levels of detail below it.
+#[test]
+fn the_smallest_resolutions_are_measured() {
+    let s = Sandbox::new();
+    s.write("floor.obj", "v 0 0 0\nv 8 0 0\nv 8 0 8\nv 0 0 8\nf 4 3 2 1\n");
+    for resolution in ["1", "2", "4"] {
+        s.ok(&format!("accuracy floor.obj -o out -r {resolution} --size 9x5 --repeat 1"));
+    }
+}
+
+#[test]
+fn the_memory_limit_holds_for_all_pictures() {
+    let s = Sandbox::new();
+    s.write("floor.obj", "v 0 0 0\nv 8 0 0\nv 8 0 8\nv 0 0 8\nf 4 3 2 1\n");
+    let before = s.files();
+    // A picture takes 9 MB, and there are some forty.
+    s.run("accuracy floor.obj --quick -r 16 --size 1500x1500 --memory-limit 150M").fails(4, &["pictures", "--size"]);
+    assert_eq!(s.files(), before);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_leaves_no_folders() {
+    let s = Sandbox::new();
+    std::fs::create_dir(s.path("temporary")).unwrap();
+    let mut child = s
+        .command("accuracy -o out --threads 1")
+        .env("TMPDIR", s.path("temporary"))
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let is_empty = |name: &str| std::fs::read_dir(s.path(name)).unwrap().next().is_none();
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(30);
+    while is_empty("temporary") {
+        assert!(std::time::Instant::now() < deadline, "nothing temporary appeared");
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let killed =
+        std::process::Command::new("bash").args(["-c", &format!("kill -INT {}", child.id())]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(is_empty("temporary") && !s.path("out").exists());
+}
+
+#[test]
+fn what_cannot_be_written_is_said_before_the_work() {
+    let s = Sandbox::new();
+    s.write("floor.obj", "v 0 0 0\nv 8 0 0\nv 8 0 8\nv 0 0 8\nf 4 3 2 1\n");
+    std::fs::create_dir(s.path("out")).unwrap();
+    s.write("out/pictures", "a file");
+    s.run("accuracy floor.obj -o out -r 16 --size 9x5").fails(1, &["out/pictures"]);
+    assert_eq!(std::fs::read_dir(s.path("out")).unwrap().count(), 1);
+}

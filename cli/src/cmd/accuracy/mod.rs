@@ -20,13 +20,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::demo;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Result};
 use crate::input;
 use crate::memory::Memory;
 use crate::options::{
     BuildArgs, CameraArgs, LightingArgs, MachineArgs, ReportArgs, UpAxisArg, name_of, picture_size, resolution,
 };
-use crate::output::Output;
+use crate::output::{Folder, Output, Scratch};
 use crate::picture;
 use crate::report::{Lines, file_name, grouped, shell_word, time};
 use crate::scene::{self, Source};
@@ -96,14 +96,8 @@ const FULL: [u32; 4] = [256, 512, 1024, 2048];
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let pool = args.machine.pool()?;
-    let made = !args.output.exists();
-    std::fs::create_dir_all(&args.output).map_err(|cause| Error::write(&args.output, cause))?;
-    let report = pool.install(|| write_all(args));
-    if report.is_err() && made {
-        // Only if it is empty.
-        let _ = std::fs::remove_dir(&args.output);
-    }
-    let report = report?;
+    let _folder = Folder::create(&args.output)?;
+    let report = pool.install(|| write_all(args))?;
 
     crate::report::result(args.report.json, &report, &lines(args, &report, start))?;
     if let Some(mesh) = &args.mesh {
@@ -119,6 +113,9 @@ fn write_all(args: &Args) -> Result<Report> {
     let (page, plot) = (output("report.html", "html")?, output("front.svg", "svg")?);
     let (csv, json) = (output("accuracy.csv", "csv")?, output("accuracy.json", "json")?);
 
+    let pictures = args.output.join("pictures");
+    let _folder = Folder::create(&pictures)?;
+
     let mut memory = args.machine.memory();
     let (report, found, settings) = match (&args.mesh, args.scene) {
         (_, Some(known)) => {
@@ -133,8 +130,8 @@ fn write_all(args: &Args) -> Result<Report> {
         }
         (None, None) => {
             // A file like any other, so that its build can be watched.
-            let folder = tempfile::tempdir().map_err(|cause| Error::new(Kind::Failure, cause))?;
-            let path = folder.path().join("demo.obj");
+            let folder = Scratch::create()?;
+            let path = folder.path("demo.obj");
             let texts = [
                 (path.clone(), voxdag::demo::obj()),
                 (path.with_file_name(voxdag::demo::MTL_NAME), voxdag::demo::mtl()),
@@ -149,8 +146,6 @@ fn write_all(args: &Args) -> Result<Report> {
     };
 
     let crops = crops::crops(&report, &settings, &found)?;
-    let pictures = args.output.join("pictures");
-    std::fs::create_dir_all(&pictures).map_err(|cause| Error::write(&pictures, cause))?;
     let picture = |name: &str, pixels: &[u32]| {
         let output = Output::create(&pictures.join(format!("{name}.png")), "png")?;
         output.finish(|file| picture::png(report.size, pixels.iter(), file))
