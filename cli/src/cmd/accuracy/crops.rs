@@ -23,11 +23,19 @@ pub struct Crop {
     pub map: Option<String>,
 }
 
+/// The truth's picture, and where in it the details are.
+pub struct Whole {
+    /// A `data:` address of a PNG.
+    pub picture: String,
+    /// Left, top, width and height of the details, in parts of the picture's.
+    pub frame: [f64; 4],
+}
+
 /// Side of a detail, in parts of the picture's.
 const PART: u32 = 4;
 
 /// Details of the truth and of settings that show what differs, where the default errs most.
-pub fn crops(report: &Report, settings: &[Setting], found: &Found) -> Result<Vec<Crop>> {
+pub fn crops(report: &Report, settings: &[Setting], found: &Found) -> Result<(Vec<Crop>, Whole)> {
     let [width, height] = report.size;
     let size = [width, height].map(|n| n.div_ceil(PART));
     let corner = worst(report.size, size, &found.truth, &found.rows[0].pixels);
@@ -52,7 +60,9 @@ pub fn crops(report: &Report, settings: &[Setting], found: &Found) -> Result<Vec
             map: map.map(|map| cut(&map)).transpose()?,
         });
     }
-    Ok(crops)
+    let parts = |i: usize, n: [u32; 2]| f64::from(n[i]) / f64::from(report.size[i]);
+    let frame = [parts(0, corner), parts(1, corner), parts(0, size), parts(1, size)];
+    Ok((crops, Whole { picture: data_url(report.size, &found.truth)?, frame }))
 }
 
 /// Settings worth seeing: those to choose from, and the ends of the axes.

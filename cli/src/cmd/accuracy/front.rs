@@ -11,22 +11,23 @@ pub struct Point {
     pub error: f64,
 }
 
-/// Points of the front, by their places in `points`, the fastest first. Of points that are within a hundredth of an
-/// earlier one's error none is taken: noise must not make a step.
+/// Points of the front, by their places in `points`, the cheapest first. Noise must not make a step: of points within a
+/// hundredth of an earlier one's error none is taken, and of those within three hundredths of each other's cost the last.
 pub fn front(points: &[Point]) -> Vec<usize> {
     let mut order: Vec<_> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {
         points[a].cost.total_cmp(&points[b].cost).then(points[a].error.total_cmp(&points[b].error)).then(a.cmp(&b))
     });
-    let mut least = f64::INFINITY;
-    order.retain(|&i| {
-        let better = points[i].error < 0.99 * least;
-        if better {
-            least = points[i].error;
+    let mut front: Vec<usize> = Vec::new();
+    for i in order {
+        if front.last().is_none_or(|&last| points[i].error < 0.99 * points[last].error) {
+            if front.last().is_some_and(|&last| points[i].cost < 1.03 * points[last].cost) {
+                front.pop();
+            }
+            front.push(i);
         }
-        better
-    });
-    order
+    }
+    front
 }
 
 /// The place in `front` of its knee; 0 where it has fewer than three points.
@@ -59,6 +60,7 @@ mod tests {
         let all = points(&[[10.0, 0.5], [1.0, 1.0], [5.0, 0.9], [5.0, 0.8], [20.0, 0.6], [30.0, 0.1], [40.0, 0.0999]]);
         assert_eq!(front(&all), [1, 3, 0, 5]);
         assert_eq!(front(&[]), [0usize; 0]);
+        assert_eq!(front(&points(&[[1.0, 0.9], [1.02, 0.5], [2.0, 0.4]])), [1, 2]);
         // No point that is not on the front is better in both than any that is.
         for (i, p) in all.iter().enumerate() {
             assert!(front(&all).iter().all(|&k| k == i || !(p.cost < all[k].cost && p.error < 0.98 * all[k].error)));

@@ -145,20 +145,20 @@ fn write_all(args: &Args) -> Result<Report> {
         }
     };
 
-    let crops = crops::crops(&report, &settings, &found)?;
+    let (crops, whole) = crops::crops(&report, &settings, &found)?;
     let picture = |name: &str, pixels: &[u32]| {
         let output = Output::create(&pictures.join(format!("{name}.png")), "png")?;
         output.finish(|file| picture::png(report.size, pixels.iter(), file))
     };
     picture("truth", &found.truth)?;
-    for (i, (setting, row)) in settings.iter().zip(&found.rows).enumerate() {
-        picture(&format!("{i:02}-{}", file_name(&setting.label)), &row.pixels)?;
+    for (setting, row) in settings.iter().zip(&found.rows) {
+        picture(&file_name(&setting.label), &row.pixels)?;
     }
     let write = |output: Output, content: &[u8]| output.finish(|file| file.write_all(content));
     write(csv, &report.csv()?)?;
     write(json, &report.json()?)?;
     write(plot, page::front_plot(&report)?.as_bytes())?;
-    write(page, page::page(&report, &crops)?.as_bytes())?;
+    write(page, page::page(&report, &crops, &whole)?.as_bytes())?;
     Ok(report)
 }
 

@@ -3,7 +3,7 @@
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::crops::Crop;
+use super::crops::{Crop, Whole};
 use super::front::{self, Point};
 use super::plan::Axis;
 use super::plot::{Mark, Plot};
@@ -57,7 +57,7 @@ fn voxels_plot(report: &Report) -> Result<String> {
 const TIME: &str = "render time, ms";
 
 /// The page.
-pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
+pub fn page(report: &Report, crops: &[Crop], whole: &Whole) -> Result<String> {
     let title = format!("What accuracy costs: {}", report.scene);
     let flip = report.settings.iter().all(|s| s.error.flip.is_some());
     let page = html! {
@@ -77,6 +77,10 @@ pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
                     (report.truth) ", 64 samples a pixel, with the same camera, lights and reflection model."
                 }
                 (picks(report, crops))
+                p {
+                    "The flags are those of " code { "voxdag render" } ". An RMSE of 0.01 is one step in a hundred of linear light, on average \
+                     over the picture; FLIP is 0 where nobody sees a difference and 1 where nobody could miss it."
+                }
                 section {
                     h2 { "Error over time" }
                     figure {
@@ -98,14 +102,14 @@ pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
                     }
                     figure {
                         (PreEscaped(sampling_plot(report)?))
-                        figcaption { "Sampling alone: the same voxels and normals, against 64 samples of them." }
+                        figcaption { "Sampling alone: the same voxels and normals, against 64 samples of them. What is equal to them is not shown." }
                     }
                     figure {
                         (PreEscaped(voxels_plot(report)?))
                         figcaption { "Voxels alone: 64 samples of them against the mesh, by the bytes that they take." }
                     }
                 }
-                (pictures(crops))
+                (pictures(crops, whole))
                 (tables(report))
                 (wrong(report))
                 (advice(report))
@@ -141,7 +145,7 @@ fn picks(report: &Report, crops: &[Crop]) -> Markup {
                     @if let Some(crop) = crops.iter().find(|crop| crop.setting == Some(setting)) {
                         img src=(crop.picture) alt=(s.label);
                     }
-                    p.number { (time(s.render_ms.median)) " " small { "RMSE " (error(s.error.rmse)) } }
+                    p.number { (time(s.render_ms.median)) " " small { "RMSE " (error(s.error.rmse)) @if let Some(flip) = s.error.flip { ", FLIP " (format!("{flip:.3}")) } } }
                     p { code { (unbroken(&s.flags)) } }
                 }
             }
@@ -159,11 +163,16 @@ fn unbroken(flags: &str) -> Markup {
 }
 
 /// Details of pictures beside each other.
-fn pictures(crops: &[Crop]) -> Markup {
+fn pictures(crops: &[Crop], whole: &Whole) -> Markup {
+    let [left, top, width, height] = whole.frame.map(|part| format!("{:.2}%", 100.0 * part));
     html! {
         section {
             h2 { "Side by side" }
             p { "The part of the picture where the default errs most, enlarged; below each what FLIP says of it, the brighter the more visible." }
+            div.whole {
+                img src=(whole.picture) alt="The whole picture of the truth";
+                span style=(format!("left:{left};top:{top};width:{width};height:{height}")) {}
+            }
             div.crops {
                 @for crop in crops {
                     figure {
@@ -290,10 +299,11 @@ fn advice(report: &Report) -> Markup {
 
 /// A plot of an error over what settings cost, and its front.
 fn plot(settings: &[&Measured], [x, y]: [&str; 2], value: impl Fn(&Measured) -> [f64; 2]) -> Result<String> {
-    let used: Vec<_> = AXES.iter().filter(|(axis, _)| settings.iter().any(|s| s.axis == *axis)).collect();
     // Logarithms have no place for 0.
+    let settings: Vec<_> = settings.iter().copied().filter(|s| value(s).iter().all(|x| *x > 0.0)).collect();
+    let used: Vec<_> = AXES.iter().filter(|(axis, _)| settings.iter().any(|s| s.axis == *axis)).collect();
     let point = |s: &&Measured| {
-        let [cost, error] = value(s).map(|x| x.max(1e-6));
+        let [cost, error] = value(s);
         Point { cost, error }
     };
     let points: Vec<_> = settings.iter().map(point).collect();

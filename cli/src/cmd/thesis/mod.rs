@@ -17,7 +17,7 @@ use voxdag::grid::UpAxis;
 use crate::error::{Error, Kind, Result};
 use crate::input;
 use crate::options::{ArithmeticArg, CameraArgs, LightingArgs, MachineArgs, NormalsArg, PictureArgs, picture_size};
-use crate::output::Output;
+use crate::output::{Folder, Output};
 use crate::picture::Picture;
 use crate::progress::Progress;
 use crate::report::{Lines, file_name, shell_word, time, visible};
@@ -97,13 +97,8 @@ pub fn run(args: &Args) -> Result<()> {
     for mesh in &args.meshes {
         std::fs::File::open(mesh).map_err(|cause| input::unreadable(mesh, &cause))?;
     }
-    let made = !args.output.exists();
-    let report = write_all(args, &names, &pool);
-    if report.is_err() && made {
-        // Only if it is empty.
-        let _ = std::fs::remove_dir(&args.output);
-    }
-    let report = report?;
+    let _folder = Folder::create(&args.output)?;
+    let report = write_all(args, &names, &pool)?;
 
     let mut lines = Lines::default();
     let place = |name: &str| args.output.join(name).display().to_string();
@@ -128,7 +123,6 @@ pub fn run(args: &Args) -> Result<()> {
 fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<Report> {
     let folder = &args.output;
     let create = |folder: &Path| std::fs::create_dir_all(folder).map_err(|cause| Error::write(folder, cause));
-    create(folder)?;
     let output = |name: &str| {
         let path = folder.join(name);
         let extension = path.extension().map(|e| e.to_string_lossy().into_owned()).unwrap_or_default();
