@@ -117,8 +117,13 @@ impl Plot<'_> {
                 (x + 8.0, y + 12.0, HPos::Left),
                 (x - 8.0, y - 12.0, HPos::Right),
                 (x - 8.0, y + 12.0, HPos::Right),
+                // Farther away, for what must not go without.
+                (x, y + 26.0, HPos::Center),
+                (x, y - 26.0, HPos::Center),
+                (x, y + 38.0, HPos::Center),
             ];
-            for (x, y, anchor) in places {
+            let allowed = if mark.rank > 0 { places.len() } else { 8 };
+            for (x, y, anchor) in places.into_iter().take(allowed) {
                 let from = match anchor {
                     HPos::Left => x,
                     HPos::Right => x - width,
