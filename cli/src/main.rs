@@ -30,6 +30,7 @@ mod show;
 mod stats;
 mod trees;
 mod truth;
+mod view;
 
 use clap::{Parser, Subcommand};
 

@@ -15,14 +15,14 @@ use voxdag::lod::Lod;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
-use voxdag::shade::{Light, LightKind, has_highlight};
+use voxdag::shade::{Light, has_highlight};
 use voxdag::trace::Query;
 use voxdag::{Grid, Material};
 
 use crate::detail::{Detail, Looks};
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
-use crate::options::{CameraArgs, LightingArgs, PictureArgs};
+use crate::options::{CameraArgs, LightArg, LightingArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::trees::{Trees, with_tracer};
@@ -204,10 +204,11 @@ pub fn primary(scene: &Shown<'_>, camera: &CameraArgs, [width, height]: [u32; 2]
 /// The lights that the flags describe, or the default one.
 pub fn lights(scene: &Shown<'_>, camera: &Camera, args: &LightingArgs) -> Vec<Light> {
     let shadow = args.shadows;
-    if args.lights.is_empty() {
+    if args.is_without_lights() {
         return vec![Light { shadow, ..camera.headlight(scene.bounds.radius()) }];
     }
-    args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color, shadow }).collect()
+    let lights = args.lights.iter().chain(&args.suns);
+    lights.map(|&LightArg { kind, color, shadow: own }| Light { kind, color, shadow: shadow || own }).collect()
 }
 
 fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
@@ -218,7 +219,8 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         supersample: args.supersample(scene.geometry, camera),
         normals: args.normals.kind(scene.has_normals())?,
         arithmetic: args.arithmetic.kind(),
-        ambient: args.lighting.ambient,
+        ambient: args.lighting.ambient(),
+        background: args.lighting.background(),
         ..Settings::default()
     })
 }
