@@ -6,6 +6,7 @@
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard};
 
 use tempfile::NamedTempFile;
@@ -14,6 +15,9 @@ use crate::error::{Error, INTERRUPTED, Kind, Result};
 
 /// Temporary files to remove when the run is interrupted.
 static HALF_WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Whether a file was put into its place.
+static WHOLE: AtomicBool = AtomicBool::new(false);
 
 fn half_written() -> MutexGuard<'static, Vec<PathBuf>> {
     HALF_WRITTEN.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
@@ -29,7 +33,11 @@ pub fn clean_up_when_interrupted() {
         }
         // A progress line may stand there.
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
-        let what = if files.is_empty() { "" } else { ": nothing was written" };
+        let what = match (files.is_empty(), WHOLE.load(Ordering::Relaxed)) {
+            (true, _) => "",
+            (false, false) => ": nothing was written",
+            (false, true) => ": the files written so far are whole",
+        };
         eprintln!("{clear}interrupted{what}");
         std::process::exit(INTERRUPTED);
     };
@@ -179,6 +187,17 @@ impl Output {
         let mut files = half_written();
         self.file.persist(&self.place).map_err(|e| Error::write(&self.path, e.error))?;
         files.retain(|f| *f != temporary);
+        WHOLE.store(true, Ordering::Relaxed);
         Ok(())
     }
+}
+
+/// Whether [`Output::create`] would open the way to `path`, and none of the `inputs` is there.
+pub fn check(path: &Path, extension: &str, inputs: &[PathBuf]) -> Result<()> {
+    let output = Output::create(path, extension)?;
+    let checked = output.must_not_replace(inputs);
+    let mut files = half_written();
+    files.retain(|file| file != output.file.path());
+    drop(output);
+    checked
 }

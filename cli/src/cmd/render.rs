@@ -1,21 +1,26 @@
 //! `voxdag render`: a mesh or a scene becomes a picture.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 
+use crate::detail::Detail;
 use crate::error::{Error, Result};
 use crate::formats;
+use crate::frames::{self, Shot};
 use crate::input::{self, Content};
 use crate::memory::Memory;
-use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg};
+use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, ViewArgs};
 use crate::output::Output;
-use crate::picture::{self, Picture, Rays, Shown};
+use crate::picture::{Picture, Prepared, Rays, Shown};
+use crate::progress::Progress;
 use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::show::{self, Show, Spread};
 use crate::stats::{self, ms};
+use crate::view::View;
 
 /// Draw a mesh or a voxel scene
 #[derive(clap::Args)]
@@ -23,7 +28,8 @@ use crate::stats::{self, ms};
 Examples:
   voxdag render bunny.obj -o bunny.png                          build at 512 voxels and draw
   voxdag render bunny.vxd -o bunny.png --size 1920x1080         draw what was built before
-  voxdag render hall.vxd -o hall.png --eye 1,1.7,8 --target 1,1.5,0 --light 2,3,4,1,0.9,0.8")]
+  voxdag render hall.vxd -o hall.png --eye 1,1.7,8 --target 1,1.5,0 --light 2,3,4,1,0.9,0.8
+  voxdag render hall.vxd -o hall.png --view tour.toml --frames 1-48     hall_0001.png to hall_0048.png")]
 pub struct Args {
     /// Wavefront OBJ file, or a scene from `voxdag build`
     #[arg(value_name = "MESH_OR_VXD")]
@@ -44,6 +50,14 @@ pub struct Args {
     #[command(flatten)]
     report: ReportArgs,
     #[command(flatten)]
+    view: ViewArgs,
+
+    /// Frames of the view's camera path, such as 1-48: IMG_0001.png to IMG_0048.png; without it, the view's [camera]
+    #[arg(long, value_name = "A-B", value_parser = crate::options::frames, allow_hyphen_values = true,
+        help_heading = "Picture")]
+    frames: Option<RangeInclusive<u32>>,
+
+    #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
     build: BuildArgs,
@@ -51,7 +65,7 @@ pub struct Args {
     machine: MachineArgs,
 }
 
-/// What `render --json` prints.
+/// What `render --json` prints; of frames, the sums.
 #[derive(Serialize)]
 struct Report<'a> {
     width: u32,
@@ -72,8 +86,11 @@ struct Report<'a> {
     ms: Ms,
     /// What the scene called for.
     effects: &'a [&'static str],
-    /// The numbers behind the colours of `--show depth`, `level` and `iterations`.
+    /// The numbers behind the colours of `--show depth`, `level` and `iterations`; of frames, each has its own.
     shown: Option<Spread>,
+    /// With `--frames`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frames: Option<&'a [Drawn]>,
     #[serde(skip)]
     show: Show,
     peak_rss_bytes: Option<u64>,
@@ -90,52 +107,76 @@ struct Ms {
     total: f64,
 }
 
+/// A picture that is in its file.
+#[derive(Serialize)]
+struct Drawn {
+    frame: Option<u32>,
+    file: PathBuf,
+    rays: Rays,
+    hits: u64,
+    supersampled: f64,
+    trace_ms: f64,
+    shown: Option<Spread>,
+    /// Per pixel.
+    #[serde(skip)]
+    samples: u32,
+    #[serde(skip)]
+    effects: Vec<&'static str>,
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     args.build.check()?;
-    let output = Output::create(&args.output, "png")?;
-    let depth_output = args.depth_out.as_deref().map(|path| Output::create(path, "pfm")).transpose()?;
-    let outputs = || std::iter::once(&output).chain(&depth_output);
-    outputs().try_for_each(|output| output.must_not_replace(std::slice::from_ref(&args.input)))?;
+    let view = View::read(&args.view)?;
+    let flags = &args.picture.camera;
+    let shots = frames::shots(&view, args.frames.as_ref(), flags, &args.output, args.depth_out.as_deref())?;
+    let inputs: Vec<_> = std::iter::once(&args.input).chain(&view.file).cloned().collect();
+    frames::check_outputs(&shots, &inputs)?;
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
 
-    let (drawn, grid, is_scene) = match input::read(&args.input, &mut memory)? {
+    let ((derive, drawn), grid, is_scene) = match input::read(&args.input, &mut memory)? {
         Content::Scene(words) => {
             args.build.must_be_absent(&args.input)?;
             let scene = scene::open(&args.input, &words)?;
-            (pool.install(|| draw(&Shown::of(&scene), args, &memory))?, scene.grid, true)
+            (pool.install(|| draw(&Shown::of(&scene), args, &view, &shots, &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text, &mut memory)?;
-            outputs().try_for_each(|output| output.must_not_replace(&source.files))?;
+            frames::check_outputs(&shots, &source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);
             drop(source);
-            (pool.install(|| draw(&built.shown(), args, &memory))?, built.grid, false)
+            (pool.install(|| draw(&built.shown(), args, &view, &shots, &memory))?, built.grid, false)
         }
     };
-    let Drawn { picture, shown, depths } = drawn;
-    output.finish(|file| picture.write_png(file))?;
-    if let (Some(output), Some(depths)) = (depth_output, depths) {
-        output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
-    }
 
-    let Picture { width, height, rays, hits, ref effects, derive, trace, .. } = picture;
+    let first = &drawn[0];
+    let sum = |of: fn(&Drawn) -> u64| drawn.iter().map(of).sum::<u64>();
+    let mean = |of: fn(&Drawn) -> f64| drawn.iter().map(of).sum::<f64>() / drawn.len() as f64;
     let report = Report {
-        width,
-        height,
-        samples: picture.samples,
+        width: args.picture.size[0],
+        height: args.picture.size[1],
+        samples: first.samples,
         supersample: args.picture.supersample.unwrap_or(SupersampleArg::All).to_string(),
-        supersampled: picture.supersampled,
+        supersampled: mean(|drawn| drawn.supersampled),
         resolution: grid.resolution,
         lod: args.picture.lod,
-        rays,
-        hits,
-        ms: Ms { derive: ms(derive), trace: ms(trace), total: ms(start.elapsed()) },
-        effects,
-        shown,
+        rays: Rays {
+            primary: sum(|drawn| drawn.rays.primary),
+            shadow: sum(|drawn| drawn.rays.shadow),
+            secondary: sum(|drawn| drawn.rays.secondary),
+        },
+        hits: sum(|drawn| drawn.hits),
+        ms: Ms {
+            derive: ms(derive),
+            trace: drawn.iter().map(|drawn| drawn.trace_ms).sum(),
+            total: ms(start.elapsed()),
+        },
+        effects: &first.effects,
+        shown: first.shown.filter(|_| args.frames.is_none()),
+        frames: args.frames.is_some().then_some(&drawn),
         show: args.show,
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
@@ -153,27 +194,49 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A picture, and what else was asked for.
-struct Drawn {
-    picture: Picture,
-    shown: Option<Spread>,
-    depths: Option<Vec<f32>>,
-}
+/// Draws what the flags ask for and writes it, and says how long it took to derive what all pictures are drawn with.
+fn draw(
+    scene: &Shown<'_>,
+    args: &Args,
+    view: &View,
+    shots: &[Shot],
+    memory: &Memory,
+) -> Result<(Duration, Vec<Drawn>)> {
+    if args.show == Show::Samples && args.picture.supersample.is_none() {
+        return Err(Error::usage("--show samples: without --supersample all pixels are alike")
+            .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
+    }
+    frames::check_cameras(shots, scene, view)?;
+    let start = Instant::now();
+    let detail = Detail::new(scene, args.picture.lod, memory)?;
+    let (scene, memory) = (&detail.of(scene), &memory.with(detail.bytes()));
+    let is_shaded = matches!(args.show, Show::Shaded | Show::Samples);
+    let prepared = is_shaded.then(|| Prepared::new(scene, 0, memory)).transpose()?;
+    let derive = start.elapsed();
 
-/// Draws what the flags ask for.
-fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
-    let (picture, shown) = match args.show {
-        Show::Samples if args.picture.supersample.is_none() => {
-            return Err(Error::usage("--show samples: without --supersample all pixels are alike")
-                .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
+    // The rows of a single picture show their own progress.
+    let progress = (shots.len() > 1).then(|| Progress::stage("drawing", shots.len() as u64));
+    let drawn = shots.iter().map(|shot| {
+        if let (Some(progress), Some(frame)) = (&progress, shot.frame) {
+            progress.say(format!("frame {frame}"));
         }
-        Show::Shaded | Show::Samples => {
-            (picture::draw(scene, &args.picture, args.show == Show::Samples, memory)?, None)
+        let lighting = view.lighting(&args.picture.lighting);
+        let picture = PictureArgs { camera: shot.camera.clone(), lighting, ..args.picture.clone() };
+        let (drawn, shown) = match &prepared {
+            Some(prepared) => (prepared.draw(scene, &picture, args.show == Show::Samples, memory)?, None),
+            None => show::draw(scene, &picture, args.show, memory)?,
+        };
+        let depths = shot.depths.as_ref().map(|path| Ok((path, show::depths(scene, &picture, memory)?))).transpose()?;
+        Output::create(&shot.picture, "png")?.finish(|file| drawn.write_png(file))?;
+        if let Some((path, depths)) = depths {
+            Output::create(path, "pfm")?.finish(|file| formats::pfm(drawn.width, drawn.height, &depths, file))?;
         }
-        show => show::draw(scene, &args.picture, show, memory)?,
-    };
-    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, memory)).transpose()?;
-    Ok(Drawn { picture, shown, depths })
+        progress.iter().for_each(Progress::step);
+        let Picture { samples, rays, hits, supersampled, effects, trace, .. } = drawn;
+        let (frame, file, trace_ms) = (shot.frame, shot.picture.clone(), ms(trace));
+        Ok(Drawn { frame, file, rays, hits, supersampled, trace_ms, shown, samples, effects })
+    });
+    Ok((derive, drawn.collect::<Result<_>>()?))
 }
 
 /// The report for people.
@@ -189,6 +252,10 @@ fn lines(report: &Report<'_>) -> Lines {
         resolution += &format!(", drawn as {}", grouped(report.resolution.div_ceil(1 << report.lod).into()));
     }
     let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
+    if let Some([first, .., last] | [first @ last]) = report.frames {
+        let count = report.frames.map_or(0, <[_]>::len);
+        lines.row("frames", format!("{count}: {} to {}", first.file.display(), last.file.display()));
+    }
     lines
         .row("picture", format!("{}x{}, {} samples per {pixels}", report.width, report.height, report.samples))
         .row("resolution", resolution)

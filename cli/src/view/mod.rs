@@ -8,7 +8,7 @@ mod table;
 
 use std::io::Read;
 use std::ops::RangeInclusive;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use toml::de::DeValue;
 use voxdag::math;
@@ -49,9 +49,14 @@ impl View {
         Ok(View { file: Some(path.clone()), ..view })
     }
 
-    /// The flags, and what the file says where they were not given.
-    pub fn under(&self, camera: &CameraArgs, lighting: &LightingArgs) -> (CameraArgs, LightingArgs) {
-        (camera.or(&self.camera), lighting.or(&self.lighting))
+    /// The camera, where flags were not given.
+    pub fn camera(&self, flags: &CameraArgs) -> CameraArgs {
+        flags.or(&self.camera)
+    }
+
+    /// The lights and what goes with them, where flags were not given.
+    pub fn lighting(&self, flags: &LightingArgs) -> LightingArgs {
+        flags.or(&self.lighting)
     }
 
     /// The camera at a frame of the path, where flags were not given.

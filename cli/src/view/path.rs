@@ -40,8 +40,7 @@ impl CameraPath {
 
     /// A value of the camera at a frame.
     fn at<const N: usize>(&self, frame: u32, of: impl Fn(&CameraArgs) -> Option<[f64; N]>) -> Option<[f64; N]> {
-        let keys: Vec<_> =
-            self.0.iter().filter_map(|key| Some((f64::from(key.frame), of(&key.camera)?))).collect();
+        let keys: Vec<_> = self.0.iter().filter_map(|key| Some((f64::from(key.frame), of(&key.camera)?))).collect();
         let now = f64::from(frame);
         let next = keys.partition_point(|key| key.0 <= now);
         if next == 0 || next == keys.len() {
@@ -76,7 +75,8 @@ mod tests {
 
     #[test]
     fn keys_are_met_exactly_and_hold_beyond_their_ends() {
-        let path = path(&[(3, Some(0.1), None), (5, Some(-7.3), Some(40.0)), (12, Some(1e9), Some(50.0)), (13, None, None)]);
+        let path =
+            path(&[(3, Some(0.1), None), (5, Some(-7.3), Some(40.0)), (12, Some(1e9), Some(50.0)), (13, None, None)]);
         assert_eq!(path.frames(), Some(3..=13));
         for key in &path.0[..3] {
             assert_eq!(path.camera(key.frame).eye, key.camera.eye);

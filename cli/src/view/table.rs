@@ -59,8 +59,7 @@ impl<'t> Table<'t> {
         read: impl FnOnce(&DeValue<'_>) -> Result<T, String>,
     ) -> Result<Option<T>, Problem> {
         let Some(value) = self.entry(key) else { return Ok(None) };
-        let wrong =
-            |message| Problem { at: value.span().start, message: format!("{}{key}: {message}", self.name) };
+        let wrong = |message| Problem { at: value.span().start, message: format!("{}{key}: {message}", self.name) };
         read(value.get_ref()).map(Some).map_err(wrong)
     }
 
