@@ -142,7 +142,7 @@ pub fn open(path: &Path) -> Result<(File, u64)> {
     let file = File::open(path).map_err(|e| unreadable(path, &e))?;
     let found = file.metadata().map_err(|e| unreadable(path, &e))?;
     if found.is_dir() {
-        return Err(Error::input(path, "is a folder").hint("name the mesh in it"));
+        return Err(Error::input(path, "is a folder").hint("name a file in it"));
     }
     Ok((file, found.len()))
 }

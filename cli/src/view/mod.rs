@@ -43,9 +43,11 @@ impl View {
         let mut bytes = Vec::new();
         let found = input::open(path)?.0.take(MOST_BYTES + 1).read_to_end(&mut bytes);
         found.map_err(|cause| input::unreadable(path, &cause))?;
-        let text = String::from_utf8(bytes).ok().filter(|text| text.len() as u64 <= MOST_BYTES);
-        let text = text.ok_or_else(|| Error::input(path, "is not a view file: not a TOML text of at most 4 MiB"))?;
-        let view = View::parse(&text).map_err(|problem| problem.in_file(path, &text))?;
+        if bytes.len() as u64 > MOST_BYTES {
+            return Err(Error::input(path, format_args!("is no view file: it has more than {MOST_BYTES} bytes")));
+        }
+        let text = str::from_utf8(&bytes).map_err(|error| Problem::new(error.valid_up_to(), "expected UTF-8"));
+        let view = text.and_then(View::parse).map_err(|problem| problem.in_file(path, &bytes))?;
         Ok(View { file: Some(path.clone()), ..view })
     }
 
@@ -168,4 +170,125 @@ fn square(value: &DeValue<'_>) -> Result<u32, String> {
     let samples = whole(value, MOST_LIGHTS as u32)?;
     let side = (1..).take_while(|n| n * n <= samples).last().filter(|n| n * n == samples);
     side.ok_or_else(|| format!("{samples} samples: expected a square number, such as 1, 4, 9 or 16"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn parse(text: &str) -> View {
+        View::parse(text).unwrap_or_else(|problem| panic!("{problem:?}\n{text}"))
+    }
+
+    #[test]
+    fn a_file_is_what_flags_give() {
+        let view = parse(
+            "background = 0.5\nambient = [0, 0.1, 1e0]\n\
+             [camera]\neye = [1, -2.5, 0x10]\nup = [0, 0, 1]\nfov = 60\n\
+             [[light]]\npoint = [1, 2, 3]\nshadow = true\n\
+             [[light]]\ndirection = [0, 1, 0]\ncolor = [1, 2, 3]\n",
+        );
+        let camera = CameraArgs {
+            eye: Some([1.0, -2.5, 16.0]),
+            view_up: Some([0.0, 0.0, 1.0]),
+            fov: Some(60.0),
+            ..CameraArgs::default()
+        };
+        assert_eq!((&view.camera, view.frames()), (&camera, None));
+        let lighting = &view.lighting;
+        assert_eq!((lighting.background(), lighting.ambient()), ([0.5; 3], [0.0, 0.1, 1.0]));
+        let lights = [
+            LightArg { kind: LightKind::Point([1.0, 2.0, 3.0]), color: [1.0; 3], shadow: true },
+            LightArg { kind: LightKind::Directional([0.0, 1.0, 0.0]), color: [1.0, 2.0, 3.0], shadow: false },
+        ];
+        assert_eq!((&lighting.lights[..], lighting.shadows), (&lights[..], false));
+
+        // Flags win, part by part; an empty file changes nothing.
+        let flags = CameraArgs { eye: Some([0.0; 3]), ..CameraArgs::default() };
+        assert_eq!(view.camera(&flags), CameraArgs { eye: Some([0.0; 3]), ..camera });
+        let flags = LightingArgs { lights: vec![lights[1]], ambient: Some([7.0; 3]), ..LightingArgs::default() };
+        let both = view.lighting(&flags);
+        assert_eq!((both.lights, both.ambient, both.background), (vec![lights[1]], Some([7.0; 3]), Some([0.5; 3])));
+        assert_eq!(parse("").camera, CameraArgs::default());
+    }
+
+    #[test]
+    fn an_area_is_the_middles_of_its_parts() {
+        let area = "[[light]]\ncolor = [4, 8, 0]\n\
+                    area = { corner = [1, 2, 3], edges = [[4, 0, 0], [0, 0, 8]], samples = 4 }\n";
+        let found: Vec<_> = parse(area).lighting.lights.iter().map(|light| (light.kind, light.color)).collect();
+        let points = [[2.0, 2.0, 5.0], [4.0, 2.0, 5.0], [2.0, 2.0, 9.0], [4.0, 2.0, 9.0]];
+        assert_eq!(found, points.map(|point| (LightKind::Point(point), [1.0, 2.0, 0.0])));
+    }
+
+    #[test]
+    fn between_a_path_and_the_camera() {
+        let view = parse(
+            "[camera]\neye = [9, 9, 9]\nfov = 30\n\
+             [[path]]\nframe = 2\ntarget = [0, 0, 0]\n[[path]]\nframe = 4\ntarget = [2, 4, 8]\n",
+        );
+        assert_eq!(view.frames(), Some(2..=4));
+        let middle = view.camera_at(3, &CameraArgs { fov: Some(50.0), ..CameraArgs::default() });
+        assert_eq!((middle.target, middle.eye, middle.fov), (Some([1.0, 2.0, 4.0]), Some([9.0; 3]), Some(50.0)));
+    }
+
+    #[test]
+    fn what_is_wrong_has_its_line() {
+        let area = |rest: &str| format!("\n[[light]]\n[light.area]\ncorner = [0, 0, 0]\n{rest}");
+        let edges = "edges = [[1, 0, 0], [0, 1, 0]]\n";
+        let lights = format!("{}{}", "[[light]]\npoint = [1, 2, 3]\n".repeat(1000), &area(edges)[1..]);
+        let cases = [
+            // Not TOML.
+            ("ambient = 1\n[camera\n".to_owned(), 2, "is not TOML"),
+            ("ambient = 1\nambient = 2".to_owned(), 2, "is not TOML: duplicate key"),
+            ("ambient = \"".to_owned(), 1, "is not TOML"),
+            (format!("\nambient = {}", "[".repeat(100_000)), 2, "is not TOML"),
+            // Unknown keys.
+            (
+                "\n\nlights = 1\n".to_owned(),
+                3,
+                "unknown key `lights`: expected ambient, background, camera, light, path",
+            ),
+            ("[camera]\nfov = 9\nview_up = 1\n".to_owned(), 3, "camera: unknown key `view_up`: expected eye, target"),
+            ("[[light]]\npoint = [1, 2, 3]\ncolour = 1\n".to_owned(), 3, "light 1: unknown key `colour`"),
+            ("[[path]]\nframe = 1\nroll = 1\n".to_owned(), 3, "path 1: unknown key `roll`"),
+            (area(&format!("{edges}samples = 4\nshadow = true\n")), 7, "light 1: area: unknown key `shadow`"),
+            // Wrong types.
+            ("ambient = \"bright\"".to_owned(), 1, "ambient: expected a number, found a string"),
+            ("ambient = 1979-05-27".to_owned(), 1, "a date or time"),
+            ("camera = 5".to_owned(), 1, "camera: expected a table, found a number"),
+            ("\n[light]\npoint = [1, 2, 3]".to_owned(), 2, "light: expected [[light]], found a table"),
+            ("path = [1]".to_owned(), 1, "path 1: expected a table, found a number"),
+            ("[camera]\n\neye = [1, 2]".to_owned(), 3, "camera: eye: expected three numbers x,y,z, found 2"),
+            ("[camera]\neye = [1, true, 2]".to_owned(), 2, "camera: eye: expected a number, found true or false"),
+            ("[[light]]\npoint = [1, 2, 3]\nshadow = 1".to_owned(), 3, "light 1: shadow: expected true or false"),
+            (area("edges = [[1, 0, 0]]\nsamples = 4\n"), 5, "light 1: area: edges: expected two edges"),
+            // Out of range.
+            ("background = [0, -1, 0]".to_owned(), 1, "background: a colour of -1"),
+            ("ambient = nan".to_owned(), 1, "ambient: expected a finite number"),
+            ("ambient = 1e999".to_owned(), 1, "ambient: expected a finite number"),
+            ("[camera]\nfov = 180".to_owned(), 2, "camera: fov: expected degrees above 0 and below 180"),
+            ("[camera]\nup = [0, 0, 0]".to_owned(), 2, "camera: up: expected a direction"),
+            ("\n[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]".to_owned(), 2, "camera: eye and target are the same"),
+            ("[[light]]\ndirection = [0, 0, 0]".to_owned(), 2, "light 1: direction: expected a direction"),
+            (area(&format!("{edges}samples = 15\n")), 6, "light 1: area: samples: 15 samples: expected a square"),
+            (area(&format!("{edges}samples = 2000\n")), 6, "samples: expected a whole number from 1 to 1024"),
+            (format!("{lights}samples = 25\n"), 2001, "light 1001: 1025 lights: expected at most 1024"),
+            ("[[path]]\nframe = 0".to_owned(), 2, "path 1: frame: expected a whole number from 1 to 9999"),
+            ("[[path]]\nframe = 1.5".to_owned(), 2, "path 1: frame: expected a whole number"),
+            ("[[path]]\nframe = 4\n[[path]]\nframe = 4".to_owned(), 3, "path 2: frame 4 after frame 4"),
+            // What is missing, or there twice.
+            ("[[path]]\neye = [1, 2, 3]".to_owned(), 1, "path 1: expected frame = ..."),
+            (area(edges), 2, "light 1: area: expected samples = ..."),
+            ("[[light]]\npoint = [1, 2, 3]\n[[light]]".to_owned(), 3, "light 2: expected one of point, direction and"),
+            ("[[light]]\npoint = [1, 2, 3]\ndirection = [1, 2, 3]".to_owned(), 1, "area, found 2 of them"),
+        ];
+        for (text, line, expected) in cases {
+            let error = View::parse(&text).expect_err(expected).in_file(Path::new("v.toml"), text.as_bytes());
+            let start = format!("v.toml:{line}: ");
+            let found = error.message();
+            assert!(found.starts_with(&start) && found.contains(expected), "{found}\nexpected {start}...{expected}");
+        }
+    }
 }

@@ -3,12 +3,13 @@
 //! In: the text of a file. Out: the values of the keys that a reader asks for, each through a function that checks it. A
 //! key that no one asked for is an error as well. Lines are counted from the byte where a value, key or header begins.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::error::Error;
+use crate::error::{Error, Kind};
 
 /// What is wrong, and the byte where it stands.
 #[derive(Debug)]
@@ -18,11 +19,16 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// At a byte of the file.
+    pub fn new(at: usize, message: impl Display) -> Problem {
+        Problem { at, message: message.to_string() }
+    }
+
     /// With the file's name and the number of the line, from 1.
-    pub fn in_file(&self, path: &Path, text: &str) -> Error {
-        let before = text.as_bytes().iter().take(self.at);
-        let line = 1 + before.filter(|byte| **byte == b'\n').count();
-        Error::input(path, format_args!("{line}: {}", self.message)).hint("see docs/view.md for what can stand there")
+    pub fn in_file(&self, path: &Path, file: &[u8]) -> Error {
+        let line = 1 + file.iter().take(self.at).filter(|byte| **byte == b'\n').count();
+        let message = format_args!("{}:{line}: {}", path.display(), self.message);
+        Error::new(Kind::BadInput, message).hint("see docs/view.md for what can stand there")
     }
 }
 
@@ -48,8 +54,8 @@ impl<'t> Table<'t> {
     }
 
     /// Something that is wrong with the table as a whole.
-    pub fn problem(&self, message: impl std::fmt::Display) -> Problem {
-        Problem { at: self.at, message: format!("{}{message}", self.name) }
+    pub fn problem(&self, message: impl Display) -> Problem {
+        Problem::new(self.at, format_args!("{}{message}", self.name))
     }
 
     /// The value of a key, if it is there.
