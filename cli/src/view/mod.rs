@@ -280,7 +280,7 @@ mod tests {
             ("[[path]]\nframe = 4\n[[path]]\nframe = 4".to_owned(), 3, "path 2: frame 4 after frame 4"),
             // What is missing, or there twice.
             ("[[path]]\neye = [1, 2, 3]".to_owned(), 1, "path 1: expected frame = ..."),
-            (area(edges), 2, "light 1: area: expected samples = ..."),
+            (area(edges), 3, "light 1: area: expected samples = ..."),
             ("[[light]]\npoint = [1, 2, 3]\n[[light]]".to_owned(), 3, "light 2: expected one of point, direction and"),
             ("[[light]]\npoint = [1, 2, 3]\ndirection = [1, 2, 3]".to_owned(), 1, "area, found 2 of them"),
         ];
