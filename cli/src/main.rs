@@ -5,6 +5,7 @@
 //! `overlap`, `truth` and `metrics` (what to compare with, and how), `rays` and `formats` (other programs' files), `measure`,
 //! `machine`, `progress`, `report`, `stats` and `error`. No algorithm of the field lives here.
 
+mod budget;
 mod cmd;
 mod detail;
 mod error;

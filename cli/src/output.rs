@@ -1,7 +1,7 @@
 //! Outputs that are whole or not there: they grow under a temporary name beside their place and are renamed at the end.
 //!
 //! An output never replaces a file that the run reads, under whatever name, and never anything but a regular file.
-//! Ctrl-C (and SIGTERM) removes what is half written and exits with 130.
+//! Ctrl-C (and SIGTERM) removes what is half written, and folders made for nothing, and exits with 130.
 
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
@@ -9,17 +9,19 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard};
 
-use tempfile::NamedTempFile;
+use tempfile::{NamedTempFile, TempDir};
 
 use crate::error::{Error, INTERRUPTED, Kind, Result};
 
-/// Temporary files to remove when the run is interrupted.
-static HALF_WRITTEN: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+type Remove = fn(&Path) -> std::io::Result<()>;
 
 /// Whether a file was put into its place.
 static WHOLE: AtomicBool = AtomicBool::new(false);
 
-fn half_written() -> MutexGuard<'static, Vec<PathBuf>> {
+/// What to remove when the run is interrupted, the last first, and how.
+static HALF_WRITTEN: Mutex<Vec<(PathBuf, Remove)>> = Mutex::new(Vec::new());
+
+fn half_written() -> MutexGuard<'static, Vec<(PathBuf, Remove)>> {
     HALF_WRITTEN.lock().unwrap_or_else(|poisoned| poisoned.into_inner())
 }
 
@@ -28,8 +30,8 @@ pub fn clean_up_when_interrupted() {
     let handler = || {
         // The lock is kept, so that no file appears between here and the exit.
         let files = half_written();
-        for file in files.iter() {
-            let _ = std::fs::remove_file(file);
+        for (path, remove) in files.iter().rev() {
+            let _ = remove(path);
         }
         // A progress line may stand there.
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
@@ -152,7 +154,7 @@ impl Output {
                 false => error.hint(format_args!("create {} first", folder.display())),
             }
         })?;
-        files.push(file.path().to_path_buf());
+        files.push((file.path().to_path_buf(), |file| std::fs::remove_file(file)));
         Ok(Output { file, path: path.to_path_buf(), place, rights: found.map(|found| found.permissions()) })
     }
 
@@ -186,7 +188,7 @@ impl Output {
         let temporary = self.file.path().to_path_buf();
         let mut files = half_written();
         self.file.persist(&self.place).map_err(|e| Error::write(&self.path, e.error))?;
-        files.retain(|f| *f != temporary);
+        files.retain(|f| f.0 != temporary);
         WHOLE.store(true, Ordering::Relaxed);
         Ok(())
     }
@@ -197,7 +199,46 @@ pub fn check(path: &Path, extension: &str, inputs: &[PathBuf]) -> Result<()> {
     let output = Output::create(path, extension)?;
     let checked = output.must_not_replace(inputs);
     let mut files = half_written();
-    files.retain(|file| file != output.file.path());
+    files.retain(|file| file.0 != output.file.path());
     drop(output);
     checked
+}
+
+/// A folder for outputs. If it was made for them and none came, it goes again.
+pub struct Folder(Option<PathBuf>);
+
+impl Folder {
+    /// Makes `path` if it is not there.
+    pub fn create(path: &Path) -> Result<Folder> {
+        let mut folders = half_written();
+        let made = (!path.exists()).then(|| path.to_path_buf());
+        std::fs::create_dir_all(path).map_err(|cause| Error::write(path, cause))?;
+        folders.extend(made.clone().map(|path| -> (PathBuf, Remove) { (path, |folder| std::fs::remove_dir(folder)) }));
+        Ok(Folder(made))
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        // Only if it is empty.
+        let _ = self.0.as_ref().map(std::fs::remove_dir);
+    }
+}
+
+/// A folder for files that nobody is to see, which goes with all that is in it.
+pub struct Scratch(TempDir);
+
+impl Scratch {
+    /// Makes one where the system keeps such.
+    pub fn create() -> Result<Scratch> {
+        let mut folders = half_written();
+        let folder = tempfile::tempdir().map_err(|cause| Error::write(&std::env::temp_dir(), cause))?;
+        folders.push((folder.path().to_path_buf(), |folder| std::fs::remove_dir_all(folder)));
+        Ok(Scratch(folder))
+    }
+
+    /// Of a file in it.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
 }

@@ -10,6 +10,9 @@ use voxdag::{Grid, Mesh, Morton};
 use voxdag_oracle::clip::{self, Cell};
 use voxdag_oracle::textbook::akenine_moller;
 
+/// What to do where there is no room for it.
+pub const HINT: &str = "take a smaller -r, or raise --memory-limit";
+
 /// A brick's first voxel, and its filled ones.
 pub type Brick = (Morton, u64);
 
@@ -52,27 +55,47 @@ impl Near {
 
 /// Every triangle with every brick near it; on the threads of the current pool.
 pub fn near(mesh: &Mesh<'_>, grid: &Grid) -> Vec<Near> {
-    let snapped = |p| grid.snap(p).map_or([0.0; 3], |q| q.map(|x| f64::from(x) / 256.0));
-    let triangles = mesh.triangles.par_iter().map(|t| t.map(|v| snapped(mesh.positions[v as usize])));
-    triangles
+    snapped(mesh, grid)
         .flat_map_iter(|corners| {
             let mut near = Vec::new();
-            let mut open = vec![([0; 3], 1u32 << grid.depth().max(2))];
-            while let Some((corner, side)) = open.pop() {
-                let half = f64::from(side) / 2.0;
-                if !akenine_moller(corners, corner.map(|k: u32| f64::from(k) + half), [half + 1.0; 3]) {
-                    continue;
-                }
-                if side == 4 {
-                    near.push(Near { corners, brick: corner });
-                    continue;
-                }
-                let side = side / 2;
-                open.extend((0..8).map(|octant| (std::array::from_fn(|i| corner[i] + (octant >> i & 1) * side), side)));
-            }
+            each_brick(corners, grid, |brick| near.push(Near { corners, brick }));
             near
         })
         .collect()
+}
+
+/// About how many bytes [`near`] and [`bricks`] take; on the threads of the current pool.
+pub fn bytes(mesh: &Mesh<'_>, grid: &Grid) -> u64 {
+    let count = snapped(mesh, grid).map(|corners| {
+        let mut count = 0;
+        each_brick(corners, grid, |_| count += 1);
+        count
+    });
+    // While the list is put together there are two of it; lists of masks come after that.
+    2 * size_of::<Near>() as u64 * count.sum::<u64>()
+}
+
+/// Triangles, snapped, in voxels.
+fn snapped(mesh: &Mesh<'_>, grid: &Grid) -> impl ParallelIterator<Item = [[f64; 3]; 3]> {
+    let snapped = |p| grid.snap(p).map_or([0.0; 3], |q| q.map(|x| f64::from(x) / 256.0));
+    mesh.triangles.par_iter().map(move |t| t.map(|v| snapped(mesh.positions[v as usize])))
+}
+
+/// Visits every brick near a triangle.
+fn each_brick(corners: [[f64; 3]; 3], grid: &Grid, mut visit: impl FnMut([u32; 3])) {
+    let mut open = vec![([0; 3], 1u32 << grid.depth().max(2))];
+    while let Some((corner, side)) = open.pop() {
+        let half = f64::from(side) / 2.0;
+        if !akenine_moller(corners, corner.map(|k: u32| f64::from(k) + half), [half + 1.0; 3]) {
+            continue;
+        }
+        if side == 4 {
+            visit(corner);
+            continue;
+        }
+        let side = side / 2;
+        open.extend((0..8).map(|octant| (std::array::from_fn(|i| corner[i] + (octant >> i & 1) * side), side)));
+    }
 }
 
 /// The bricks that a test gives, by what it gives for each triangle; on the threads of the current pool.
@@ -128,6 +151,16 @@ pub fn differing(truth: &[Brick], found: &[Brick]) -> [u64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn there_is_room_for_what_is_near() {
+        let shape = voxdag_oracle::scenes::sphere([0.0; 3], 1.0, 3);
+        let grid = Grid::fit(&shape.mesh().validate().unwrap(), 64).unwrap();
+        let near = near(&shape.mesh(), &grid);
+        // Around the surface, 4 pi 8^2 bricks and their neighbours, of one to several triangles each.
+        assert!((800..8000).contains(&near.len()), "{}", near.len());
+        assert_eq!(bytes(&shape.mesh(), &grid), 2 * size_of_val(&near[..]) as u64);
+    }
 
     #[test]
     fn what_lacks_and_what_is_too_much() {

@@ -25,6 +25,7 @@ use crate::memory::Memory;
 use crate::options::{CameraArgs, LightArg, LightingArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
+use crate::stats;
 use crate::trees::{Trees, with_tracer};
 
 /// A finished picture and what it took.
@@ -70,8 +71,17 @@ pub struct Shown<'a> {
     pub lod: Option<Lod<AnyGeometry<'a>>>,
 }
 
+/// Draws rows.
+type Rows<'a> = dyn Fn(Range<u32>, &mut [u32]) -> Result<Counters, RenderError> + Sync + 'a;
+
 /// Rows that a thread draws at a time: few enough to share the work well and to show that it moves.
 const BAND: usize = 4;
+
+/// Rows of a band, and how many whole bands a picture has.
+pub fn bands([_, height]: [u32; 2]) -> (u32, u32) {
+    let band = height.min(BAND as u32);
+    (band, height / band)
+}
 
 /// Draws on the threads of the current pool; on demand with red on the pixels that take all samples.
 pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memory: &Memory) -> Result<Picture> {
@@ -95,6 +105,18 @@ impl Prepared {
         Ok(Prepared { detail, trees, time: start.elapsed() })
     }
 
+    /// Derives the level of detail alone, for rays one by one.
+    pub fn without_trees(scene: &Shown<'_>, lod: u8, memory: &Memory) -> Result<Prepared> {
+        let start = Instant::now();
+        let detail = Detail::new(scene, lod, memory)?;
+        Ok(Prepared { detail, trees: Trees { wide: None, top: None }, time: start.elapsed() })
+    }
+
+    /// What deriving it took.
+    pub fn time(&self) -> Duration {
+        self.time
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         self.detail.bytes() + self.trees.bytes()
@@ -107,21 +129,16 @@ impl Prepared {
 
     /// [`draw`]s the scene that it was derived from.
     pub fn draw(&self, scene: &Shown<'_>, args: &PictureArgs, mark: bool, memory: &Memory) -> Result<Picture> {
-        let scene = &self.detail.of(scene);
         let [width, height] = args.size;
         // Once as pixels and once as bytes for the encoder.
         let mut pixels = room(args.size, 8, &memory.with(self.bytes()))?;
-
-        let camera = camera(scene, &args.camera)?;
-        let lights = lights(scene, &camera, &args.lighting);
-        let start = Instant::now();
-        let settings = Settings { mark_supersampled: mark, ..settings(scene, &camera, args)? };
-        // Materials are matched at each hit, which costs nothing measurable.
-        let counters = with_tracer!(scene.geometry, &self.trees, tracer => {
-            let (palette, materials) = (&scene.palette[..], scene.looks());
-            let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
-            in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
-        });
+        let begin = Instant::now();
+        let (counters, samples, lights, start) = self.with_rows(scene, args, mark, |rows, settings, lights| {
+            let start = Instant::now();
+            let counters = in_bands("drawing", args.size, &mut pixels, rows)?;
+            Ok((counters, settings.samples.count(), lights.to_vec(), start))
+        })?;
+        let trace = start.elapsed();
         let effects = [
             ("highlights", !lights.is_empty() && scene.palette.iter().any(has_highlight)),
             ("shadows", lights.iter().any(|light| light.shadow)),
@@ -129,14 +146,55 @@ impl Prepared {
         Ok(Picture {
             width,
             height,
-            samples: settings.samples.count(),
+            samples,
             pixels,
             rays: Rays::of(&counters),
             hits: counters.hits,
             supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
             effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
-            derive: self.time,
-            trace: start.elapsed(),
+            derive: self.time + (start - begin),
+            trace,
+        })
+    }
+
+    /// Draws some [`bands`] of the picture: their pixels below each other, and what it took a thread to draw them.
+    pub fn draw_bands(
+        &self,
+        scene: &Shown<'_>,
+        args: &PictureArgs,
+        numbers: &[u32],
+        memory: &Memory,
+    ) -> Result<(Vec<u32>, Duration)> {
+        let (band, _) = bands(args.size);
+        let mut pixels = room([args.size[0], band * numbers.len() as u32], 4, &memory.with(self.bytes()))?;
+        let times = self.with_rows(scene, args, false, |rows, _, _| {
+            let bands = pixels.par_chunks_mut((band * args.size[0]) as usize).zip(numbers);
+            let timed = bands.map(|(pixels, number)| {
+                let (drawn, time) = stats::timed(|| rows(number * band..(number + 1) * band, pixels));
+                drawn.map(|_| time)
+            });
+            timed.try_reduce(Duration::default, |a, b| Ok(a + b)).map_err(|error| Error::new(Kind::Failure, error))
+        })?;
+        Ok((pixels, times))
+    }
+
+    /// Gives `draw` what draws rows, and by which settings and lights it does.
+    fn with_rows<T>(
+        &self,
+        scene: &Shown<'_>,
+        args: &PictureArgs,
+        mark: bool,
+        draw: impl FnOnce(&Rows<'_>, &Settings, &[Light]) -> Result<T>,
+    ) -> Result<T> {
+        let scene = &self.detail.of(scene);
+        let camera = camera(scene, &args.camera)?;
+        let lights = lights(scene, &camera, &args.lighting);
+        let settings = Settings { mark_supersampled: mark, ..settings(scene, &camera, args)? };
+        // Materials are matched at each hit, which costs nothing measurable.
+        with_tracer!(scene.geometry, &self.trees, tracer => {
+            let (palette, materials) = (&scene.palette[..], scene.looks());
+            let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
+            draw(&|rows, pixels| render_rows(&view, &settings, rows, pixels), &settings, &lights)
         })
     }
 }

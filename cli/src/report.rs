@@ -183,6 +183,12 @@ pub fn triple(v: [f64; 3]) -> String {
     v.map(number).join(", ")
 }
 
+/// A name that file systems and links take as it is.
+pub fn file_name(name: &str) -> String {
+    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
+    name.chars().map(plain).collect()
+}
+
 /// A PNG as the address of an image that is part of a page.
 pub fn data_url(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))

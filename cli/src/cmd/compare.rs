@@ -4,8 +4,8 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 
-use image::codecs::png::{PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder, ImageEncoder, ImageError, Limits};
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder, ImageError, Limits};
 use serde::Serialize;
 
 use crate::error::{Error, Kind, Result};
@@ -13,6 +13,7 @@ use crate::input::unreadable;
 use crate::metrics::{self, Errors, MOST_PIXELS, View};
 use crate::options::ReportArgs;
 use crate::output::Output;
+use crate::picture::png;
 use crate::report::{self, Lines, grouped, number};
 
 /// Measure how far a picture is from another
@@ -80,11 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
 
     let report = Report { width, height, errors: metrics::errors(a, b) };
     if let (Some(output), Some(map)) = (output, metrics::flip_map(a, b)) {
-        let bytes: Vec<u8> = map.iter().flat_map(|pixel| pixel.to_le_bytes()).collect();
-        output.finish(|file| {
-            let written = PngEncoder::new(file).write_image(&bytes, width, height, ExtendedColorType::Rgba8);
-            written.map_err(std::io::Error::other)
-        })?;
+        output.finish(|file| png([width, height], map.iter(), file))?;
     }
     report::result(args.report.json, &report, &lines(&report))?;
 

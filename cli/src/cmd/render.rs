@@ -5,17 +5,21 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use voxdag::geometry::Geometry;
 
-use crate::detail::Detail;
+use crate::budget::{self, Calibration, Goal, Range};
 use crate::error::{Error, Result};
 use crate::formats;
-use crate::frames::{self, Shot};
+use crate::frames::{Shot, check_cameras, check_outputs, shots};
 use crate::input::{self, Content};
 use crate::memory::Memory;
-use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, ViewArgs};
+use crate::options::{
+    BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, ViewArgs, duration, error, frames,
+};
 use crate::output::Output;
 use crate::picture::{Picture, Prepared, Rays, Shown};
 use crate::progress::Progress;
+use crate::quality::Quality;
 use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::show::{self, Show, Spread};
@@ -47,13 +51,25 @@ pub struct Args {
     #[arg(long, value_name = "F.pfm")]
     depth_out: Option<PathBuf>,
 
+    /// The most accurate picture that takes about this long to draw here, such as 100ms or 1.5s
+    ///
+    /// Chooses samples and level of detail after a calibration of a second, or of twice the time if that is more.
+    #[arg(long, value_name = "TIME", value_parser = duration, conflicts_with_all = CHOSEN)]
+    budget: Option<Duration>,
+
+    /// The cheapest picture here with at most this error, 0.001 to 1
+    ///
+    /// That is the RMSE in linear light against 64 samples of the same voxels, on a part of the rows.
+    #[arg(long, value_name = "E", value_parser = error, conflicts_with_all = CHOSEN, conflicts_with = "budget")]
+    target_error: Option<f64>,
+
     #[command(flatten)]
     report: ReportArgs,
     #[command(flatten)]
     view: ViewArgs,
 
     /// Frames of the view's camera path, such as 1-48: IMG_0001.png to IMG_0048.png; without it, the view's [camera]
-    #[arg(long, value_name = "A-B", value_parser = crate::options::frames, allow_hyphen_values = true,
+    #[arg(long, value_name = "A-B", value_parser = frames, allow_hyphen_values = true,
         help_heading = "Picture")]
     frames: Option<RangeInclusive<u32>>,
 
@@ -64,6 +80,9 @@ pub struct Args {
     #[command(flatten)]
     machine: MachineArgs,
 }
+
+/// The flags that `--budget` and `--target-error` choose.
+const CHOSEN: [&str; 3] = ["samples", "supersample", "lod"];
 
 /// What `render --json` prints; of frames, the sums.
 #[derive(Serialize)]
@@ -93,8 +112,29 @@ struct Report<'a> {
     frames: Option<&'a [Drawn]>,
     #[serde(skip)]
     show: Show,
+    /// What `--budget` or `--target-error` chose.
+    chosen: Option<Chosen>,
     peak_rss_bytes: Option<u64>,
     threads: usize,
+}
+
+/// A choice, and what it was expected to give.
+#[derive(Serialize)]
+struct Chosen {
+    /// As they can be typed.
+    flags: String,
+    /// Of these one was asked for.
+    budget_ms: Option<f64>,
+    target_error: Option<f64>,
+    /// Of drawing the rows: what was expected, and what came of it; of frames, the first.
+    expected_ms: f64,
+    got_ms: f64,
+    /// On the rows that were looked at.
+    expected_error: f64,
+    /// Calibrating, without what it derived.
+    calibration_ms: f64,
+    /// Why it is not closer to what was asked for.
+    note: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -130,13 +170,13 @@ pub fn run(args: &Args) -> Result<()> {
     args.build.check()?;
     let view = View::read(&args.view)?;
     let flags = &args.picture.camera;
-    let shots = frames::shots(&view, args.frames.as_ref(), flags, &args.output, args.depth_out.as_deref())?;
+    let shots = shots(&view, args.frames.as_ref(), flags, &args.output, args.depth_out.as_deref())?;
     let inputs: Vec<_> = std::iter::once(&args.input).chain(&view.file).cloned().collect();
-    frames::check_outputs(&shots, &inputs)?;
+    check_outputs(&shots, &inputs)?;
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
 
-    let ((derive, drawn), grid, is_scene) = match input::read(&args.input, &mut memory)? {
+    let (done, grid, is_scene) = match input::read(&args.input, &mut memory)? {
         Content::Scene(words) => {
             args.build.must_be_absent(&args.input)?;
             let scene = scene::open(&args.input, &words)?;
@@ -144,7 +184,7 @@ pub fn run(args: &Args) -> Result<()> {
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text, &mut memory)?;
-            frames::check_outputs(&shots, &source.files)?;
+            check_outputs(&shots, &source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);
             drop(source);
@@ -152,17 +192,18 @@ pub fn run(args: &Args) -> Result<()> {
         }
     };
 
+    let Done { lit, derive, chosen, drawn } = done;
     let first = &drawn[0];
     let sum = |of: fn(&Drawn) -> u64| drawn.iter().map(of).sum::<u64>();
     let mean = |of: fn(&Drawn) -> f64| drawn.iter().map(of).sum::<f64>() / drawn.len() as f64;
     let report = Report {
-        width: args.picture.size[0],
-        height: args.picture.size[1],
+        width: lit.size[0],
+        height: lit.size[1],
         samples: first.samples,
-        supersample: args.picture.supersample.unwrap_or(SupersampleArg::All).to_string(),
+        supersample: lit.supersample.unwrap_or(SupersampleArg::All).to_string(),
         supersampled: mean(|drawn| drawn.supersampled),
         resolution: grid.resolution,
-        lod: args.picture.lod,
+        lod: lit.lod,
         rays: Rays {
             primary: sum(|drawn| drawn.rays.primary),
             shadow: sum(|drawn| drawn.rays.shadow),
@@ -178,6 +219,7 @@ pub fn run(args: &Args) -> Result<()> {
         shown: first.shown.filter(|_| args.frames.is_none()),
         frames: args.frames.is_some().then_some(&drawn),
         show: args.show,
+        chosen,
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
     };
@@ -186,7 +228,7 @@ pub fn run(args: &Args) -> Result<()> {
     if !is_scene {
         let scene = shell_word(&args.output.with_extension("vxd"));
         report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
-    } else if args.show == Show::Shaded && args.picture.samples.is_none() && args.picture.supersample.is_none() {
+    } else if args.show == Show::Shaded && lit.samples.is_none() && lit.supersample.is_none() {
         report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
@@ -194,25 +236,36 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// Draws what the flags ask for and writes it, and says how long it took to derive what all pictures are drawn with.
-fn draw(
-    scene: &Shown<'_>,
-    args: &Args,
-    view: &View,
-    shots: &[Shot],
-    memory: &Memory,
-) -> Result<(Duration, Vec<Drawn>)> {
+/// What came of a run.
+struct Done {
+    /// What all pictures share.
+    lit: PictureArgs,
+    /// Making what rays go through.
+    derive: Duration,
+    chosen: Option<Chosen>,
+    drawn: Vec<Drawn>,
+}
+
+/// Draws what the flags ask for, and writes each picture when it is drawn.
+fn draw(scene: &Shown<'_>, args: &Args, view: &View, shots: &[Shot], memory: &Memory) -> Result<Done> {
     if args.show == Show::Samples && args.picture.supersample.is_none() {
         return Err(Error::usage("--show samples: without --supersample all pixels are alike")
             .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
     }
-    frames::check_cameras(shots, scene, view)?;
-    let start = Instant::now();
-    let detail = Detail::new(scene, args.picture.lod, memory)?;
-    let (scene, memory) = (&detail.of(scene), &memory.with(detail.bytes()));
+    check_cameras(shots, scene, view)?;
+    let lighting = view.lighting(&args.picture.lighting);
+    let lit = PictureArgs { camera: shots[0].camera.clone(), lighting, ..args.picture.clone() };
+    let goal = match (args.budget, args.target_error) {
+        (Some(budget), _) => Some(Goal::Seconds(budget.as_secs_f64())),
+        (None, error) => error.map(Goal::Error),
+    };
     let is_shaded = matches!(args.show, Show::Shaded | Show::Samples);
-    let prepared = is_shaded.then(|| Prepared::new(scene, 0, memory)).transpose()?;
-    let derive = start.elapsed();
+    let (prepared, lit, mut chosen) = match goal {
+        Some(goal) => choose(scene, args, &lit, goal, memory)?,
+        None if is_shaded => (Prepared::new(scene, lit.lod, memory)?, lit, None),
+        None => (Prepared::without_trees(scene, lit.lod, memory)?, lit, None),
+    };
+    let (seen, rest) = (prepared.parts(scene).0, memory.with(prepared.bytes()));
 
     // The rows of a single picture show their own progress.
     let progress = (shots.len() > 1).then(|| Progress::stage("drawing", shots.len() as u64));
@@ -220,23 +273,58 @@ fn draw(
         if let (Some(progress), Some(frame)) = (&progress, shot.frame) {
             progress.say(format!("frame {frame}"));
         }
-        let lighting = view.lighting(&args.picture.lighting);
-        let picture = PictureArgs { camera: shot.camera.clone(), lighting, ..args.picture.clone() };
-        let (drawn, shown) = match &prepared {
-            Some(prepared) => (prepared.draw(scene, &picture, args.show == Show::Samples, memory)?, None),
-            None => show::draw(scene, &picture, args.show, memory)?,
+        let lit = PictureArgs { camera: shot.camera.clone(), ..lit.clone() };
+        let (picture, shown) = match is_shaded {
+            true => (prepared.draw(scene, &lit, args.show == Show::Samples, memory)?, None),
+            false => show::draw(&seen, &lit, args.show, &rest)?,
         };
-        let depths = shot.depths.as_ref().map(|path| Ok((path, show::depths(scene, &picture, memory)?))).transpose()?;
-        Output::create(&shot.picture, "png")?.finish(|file| drawn.write_png(file))?;
+        let depths = shot.depths.as_ref().map(|path| Ok((path, show::depths(&seen, &lit, &rest)?))).transpose()?;
+        Output::create(&shot.picture, "png")?.finish(|file| picture.write_png(file))?;
         if let Some((path, depths)) = depths {
-            Output::create(path, "pfm")?.finish(|file| formats::pfm(drawn.width, drawn.height, &depths, file))?;
+            Output::create(path, "pfm")?.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
         }
         progress.iter().for_each(Progress::step);
-        let Picture { samples, rays, hits, supersampled, effects, trace, .. } = drawn;
+        let Picture { samples, rays, hits, supersampled, effects, trace, .. } = picture;
         let (frame, file, trace_ms) = (shot.frame, shot.picture.clone(), ms(trace));
         Ok(Drawn { frame, file, rays, hits, supersampled, trace_ms, shown, samples, effects })
     });
-    Ok((derive, drawn.collect::<Result<_>>()?))
+    let drawn = drawn.collect::<Result<Vec<_>>>()?;
+    if let Some(chosen) = &mut chosen {
+        chosen.got_ms = drawn[0].trace_ms;
+    }
+    Ok(Done { lit, derive: prepared.time(), chosen, drawn })
+}
+
+/// Chooses how to draw, by the first picture.
+fn choose(
+    scene: &Shown<'_>,
+    args: &Args,
+    lit: &PictureArgs,
+    goal: Goal,
+    memory: &Memory,
+) -> Result<(Prepared, PictureArgs, Option<Chosen>)> {
+    if args.show != Show::Shaded {
+        return Err(Error::usage(
+            "--budget and --target-error choose samples: what --show shows has one ray per pixel",
+        )
+        .hint("leave --show away"));
+    }
+    let usual = Quality { normals: lit.normals, arithmetic: lit.arithmetic, ..Quality::default() };
+    let mut calibration = Calibration::new(scene, lit, memory);
+    let range = Range { usual, size: lit.size, depth: scene.geometry.depth() };
+    let choice = budget::choose(&mut calibration, goal, range)?;
+    let (prepared, calibrated) = calibration.finish(choice.quality)?;
+    let chosen = Chosen {
+        flags: choice.quality.flags(),
+        budget_ms: args.budget.map(ms),
+        target_error: args.target_error,
+        expected_ms: 1000.0 * choice.seconds,
+        got_ms: 0.0,
+        expected_error: choice.error,
+        calibration_ms: ms(calibrated),
+        note: choice.note,
+    };
+    Ok((prepared, choice.quality.apply(lit), Some(chosen)))
 }
 
 /// The report for people.
@@ -270,6 +358,18 @@ fn lines(report: &Report<'_>) -> Lines {
         };
         let [min, mean, max] = [min, mean, max].map(|x| x as f32);
         lines.row(label, format!("{min} to {max}, mean {mean}: {colours}"));
+    }
+    if let Some(chosen) = &report.chosen {
+        let Chosen { expected_ms, got_ms, expected_error, calibration_ms, .. } = *chosen;
+        let asked = match (chosen.budget_ms, chosen.target_error) {
+            (Some(budget), _) => format!("for {}", time(budget)),
+            (None, error) => format!("for an error of {}", error.unwrap_or_default()),
+        };
+        let note = chosen.note.as_ref().map_or(String::new(), |note| format!("; {note}"));
+        lines
+            .row("chosen", format!("{} {asked}{note}", chosen.flags))
+            .row("expected", format!("{}, error {expected_error:.4}; got {}", time(expected_ms), time(got_ms)))
+            .row("calibration", time(calibration_ms));
     }
     lines
         .row(

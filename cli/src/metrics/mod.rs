@@ -51,7 +51,10 @@ pub struct Errors {
     pub differing: u64,
 }
 
-/// Most pixels that FLIP looks at: it holds 80 bytes for each.
+/// Bytes that FLIP holds for each pixel.
+pub const FLIP_BYTES: usize = 80;
+
+/// Most pixels that FLIP looks at.
 pub const MOST_PIXELS: usize = 1 << 26;
 
 /// The RMSE alone, in the same bits wherever it runs; NaN unless both have the [same size](View::same_size).

@@ -5,7 +5,7 @@ mod picture;
 pub mod values;
 
 pub use picture::{ArithmeticArg, CameraArgs, LightArg, LightingArgs, NormalsArg, PictureArgs, SupersampleArg};
-pub use values::{frames, picture_size, resolution, supersample};
+pub use values::{duration, error, frames, picture_size, resolution, supersample};
 
 use std::path::{Path, PathBuf};
 

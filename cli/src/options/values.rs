@@ -1,6 +1,7 @@
 //! How the values of flags are read: what is expected stands in every refusal.
 
 use std::ops::RangeInclusive;
+use std::time::Duration;
 
 use voxdag::render::Samples;
 use voxdag::shade::LightKind;
@@ -100,6 +101,25 @@ pub fn resolution(text: &str) -> Result<u32, String> {
     found.ok_or_else(|| "expected a whole number from 1 to 2097152".to_owned())
 }
 
+/// Reads a time such as `100ms` or `1.5s`: crates for that know no fractions, or far more units than a picture needs.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let expected = || "expected a time such as 100ms or 1.5s, from 1ms to 1000s".to_owned();
+    let (value, ms) = match text.strip_suffix("ms") {
+        Some(value) => (value, 1.0),
+        None => (text.strip_suffix('s').ok_or_else(expected)?, 1000.0),
+    };
+    let ms = ms * number(value).map_err(|_| expected())?;
+    if (1.0..=1e6).contains(&ms) { Ok(Duration::from_secs_f64(ms / 1000.0)) } else { Err(expected()) }
+}
+
+/// Reads an error that a picture may have.
+pub fn error(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        x if (0.001..=1.0).contains(&x) => Ok(x),
+        _ => Err("expected 0.001 (what 8 bits cost) to 1 (black for white)".to_owned()),
+    }
+}
+
 pub fn threads(text: &str) -> Result<u16, String> {
     let found = text.parse().ok().filter(|n| (1..=1024).contains(n));
     found.ok_or_else(|| "expected a whole number from 1 to 1024".to_owned())
@@ -191,6 +211,18 @@ mod tests {
         for wrong in ["", "0", "G", "4X", "-1G", "1e3", "1..2", "99999999999T"] {
             assert!(memory_size(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn times_and_errors() {
+        for (text, ms) in [("100ms", 100), ("2s", 2000), ("1.5s", 1500), ("1ms", 1), ("1000s", 1_000_000)] {
+            assert_eq!(duration(text), Ok(Duration::from_millis(ms)));
+        }
+        for wrong in ["", "s", "100", "0ms", "-1s", "1 minute", "1e9s", "nans", "infs", "1001s", "0.1ms"] {
+            assert!(duration(wrong).is_err(), "{wrong}");
+        }
+        assert_eq!([error("0.001"), error("1")], [Ok(0.001), Ok(1.0)]);
+        assert!(["0", "0.0009", "1.1", "nan", "x"].iter().all(|wrong| error(wrong).is_err()));
     }
 
     #[test]

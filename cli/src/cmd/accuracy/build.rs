@@ -14,6 +14,7 @@ use super::plan::{Overlap, Voxels};
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
 use crate::options::{BuildArgs, MaterialsArg};
+use crate::output::Scratch;
 use crate::overlap::{self, Brick, Near};
 use crate::picture::Shown;
 use crate::progress::Progress;
@@ -109,8 +110,10 @@ fn make(
         Overlap::F32 => Near::f32,
         Overlap::F64 => Near::f64,
     };
+    let mesh = source.model.mesh();
+    memory.afford(overlap::bytes(&mesh, &built.grid), "the textbook's overlap test", overlap::HINT)?;
     let (dag, time) = stats::timed(|| {
-        let near = overlap::near(&source.model.mesh(), &built.grid);
+        let near = overlap::near(&mesh, &built.grid);
         dag(&built.grid, &overlap::bricks(&near, test))
     });
     Ok((built, Some(dag?), time + materials))
@@ -118,12 +121,12 @@ fn make(
 
 /// The peak of memory of this program when it builds the file and nothing else, as it says itself.
 fn peak(file: &Path, args: &BuildArgs) -> Option<u64> {
-    let folder = tempfile::tempdir().ok()?;
+    let folder = Scratch::create().ok()?;
     let output = Command::new(std::env::current_exe().ok()?)
         .arg("build")
         .arg(file)
         .arg("-o")
-        .arg(folder.path().join("scene.vxd"))
+        .arg(folder.path("scene.vxd"))
         .args(args.typed().split_whitespace())
         .args(["--json", "--threads", &rayon::current_num_threads().to_string()])
         .stderr(Stdio::null())

@@ -42,7 +42,8 @@ pub fn knee(points: &[Point], front: &[usize]) -> usize {
         let [x, y] = at(place);
         (y - y0) / (y1 - y0) - (x - x0) / (x1 - x0)
     };
-    (0..front.len()).max_by(|&a, &b| ahead(a).total_cmp(&ahead(b)).then(b.cmp(&a))).unwrap_or(0)
+    // The ends are on the line.
+    (1..last).fold((0, 0.0), |best, place| if ahead(place) > best.1 { (place, ahead(place)) } else { best }).0
 }
 
 #[cfg(test)]

@@ -116,6 +116,12 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     let (details, detail_of) = unique(settings.iter().map(|s| (s.voxels, s.quality.lod)));
     let (keys, reference_of) = unique(settings.iter().map(Key::of));
     let builds = subject.slow_repeat as usize;
+    // All pictures stay, and FLIP needs room for one on each thread.
+    let pictures =
+        (settings.len() + keys.len() + 1) * size_of::<u32>() + rayon::current_num_threads() * metrics::FLIP_BYTES;
+    let pictures = pictures as u64 * u64::from(size[0]) * u64::from(size[1]);
+    memory.afford(pictures, "the pictures of all settings", "make --size smaller or --memory-limit larger")?;
+    memory.hold(pictures);
     let progress = Progress::stage("measuring", work(settings, &voxels, keys.len(), builds, repeat));
 
     progress.say("builds".to_owned());
@@ -135,6 +141,7 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     let (pixels, truth_time) = stats::timed(|| truth::draw(truth, &lit, size, Samples::SixtyFour, memory));
     let pixels = pixels?;
     let looks = truth::look(truth, &camera, size, memory)?;
+    memory.hold(size_of_val(&looks[..]) as u64);
     if looks.iter().all(Option::is_none) {
         return Err(Error::usage("no ray of the picture hits the mesh: there is nothing to measure")
             .hint("see --eye, --target and --fov"));
@@ -231,11 +238,12 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     }
 
     progress.say("wrong voxels".to_owned());
-    let mut wrong = wrong::voxelizing(&source.model.mesh(), &scenes[0].built.grid, subject.slow_repeat)?.to_vec();
+    let mut wrong =
+        wrong::voxelizing(&source.model.mesh(), &scenes[0].built.grid, subject.slow_repeat, memory)?.to_vec();
     let (shown, usual) = &prepared[detail_of[0]];
     let (shown, trees) = usual.parts(shown);
     wrong.extend(with_tracer!(shown.geometry, trees, tracer => {
-        wrong::tracing(&tracer, &shown.grid, &camera, size, repeat)?
+        wrong::tracing(&tracer, &shown.grid, &camera, size, repeat, memory)?
     }));
     drop(progress);
     drop(prepared);

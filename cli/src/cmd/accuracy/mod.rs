@@ -20,16 +20,16 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::demo;
-use crate::error::{Error, Kind, Result};
+use crate::error::{Error, Result};
 use crate::input;
 use crate::memory::Memory;
 use crate::options::{
     BuildArgs, CameraArgs, LightingArgs, MachineArgs, ReportArgs, UpAxisArg, ViewArgs, name_of, picture_size,
     resolution,
 };
-use crate::output::Output;
+use crate::output::{Folder, Output, Scratch};
 use crate::picture;
-use crate::report::{Lines, grouped, shell_word, time};
+use crate::report::{Lines, file_name, grouped, shell_word, time};
 use crate::scene::{self, Source};
 use crate::truth::{Known, MeshTruth, Truth};
 use crate::view::View;
@@ -100,14 +100,8 @@ const FULL: [u32; 4] = [256, 512, 1024, 2048];
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let pool = args.machine.pool()?;
-    let made = !args.output.exists();
-    std::fs::create_dir_all(&args.output).map_err(|cause| Error::write(&args.output, cause))?;
-    let report = pool.install(|| write_all(args));
-    if report.is_err() && made {
-        // Only if it is empty.
-        let _ = std::fs::remove_dir(&args.output);
-    }
-    let report = report?;
+    let _folder = Folder::create(&args.output)?;
+    let report = pool.install(|| write_all(args))?;
 
     crate::report::result(args.report.json, &report, &lines(args, &report, start))?;
     if let Some(mesh) = &args.mesh {
@@ -127,6 +121,8 @@ fn write_all(args: &Args) -> Result<Report> {
     let (camera, lighting) = (view.camera(&args.camera), view.lighting(&args.lighting));
     let files = [&page, &plot, &csv, &json];
     files.iter().try_for_each(|output| output.must_not_replace(view.file.as_slice()))?;
+    let pictures = args.output.join("pictures");
+    let _folder = Folder::create(&pictures)?;
 
     let mut memory = args.machine.memory();
     let (report, found, settings) = match (&args.mesh, args.scene) {
@@ -141,8 +137,8 @@ fn write_all(args: &Args) -> Result<Report> {
         }
         (None, None) => {
             // A file like any other, so that its build can be watched.
-            let folder = tempfile::tempdir().map_err(|cause| Error::new(Kind::Failure, cause))?;
-            let path = folder.path().join("demo.obj");
+            let folder = Scratch::create()?;
+            let path = folder.path("demo.obj");
             let texts = [
                 (path.clone(), voxdag::demo::obj()),
                 (path.with_file_name(voxdag::demo::MTL_NAME), voxdag::demo::mtl()),
@@ -158,8 +154,6 @@ fn write_all(args: &Args) -> Result<Report> {
     };
 
     let crops = crops::crops(&report, &settings, &found)?;
-    let pictures = args.output.join("pictures");
-    std::fs::create_dir_all(&pictures).map_err(|cause| Error::write(&pictures, cause))?;
     let picture = |name: &str, pixels: &[u32]| {
         let output = Output::create(&pictures.join(format!("{name}.png")), "png")?;
         output.finish(|file| picture::png(report.size, pixels.iter(), file))
@@ -237,12 +231,6 @@ impl Args {
             (None, None) => "the scene that comes along".to_owned(),
         }
     }
-}
-
-/// A name that file systems and links take as it is.
-fn file_name(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || ".-".contains(c) { c } else { '_' };
-    name.chars().map(plain).collect()
 }
 
 /// The report for people.

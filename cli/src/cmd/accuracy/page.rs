@@ -117,7 +117,7 @@ pub fn page(report: &Report, crops: &[Crop]) -> Result<String> {
                     p { "The view: " code { "render " (report.view) } "." }
                     p {
                         "RMSE and PSNR are over red, green and blue in linear light, SSIM is over sRGB, all from 8 bits a channel. The silhouette \
-                         error counts pixels whose middle hits in one and misses in the other; depth (in voxels) and normals (in degrees) are \
+                         error counts pixels whose middle hits in one and misses in the other; depth (in voxels of the setting, at its level of detail) and normals (in degrees) are \
                          compared where both hit, through the middles of pixels."
                     }
                 }
@@ -142,9 +142,18 @@ fn picks(report: &Report, crops: &[Crop]) -> Markup {
                         img src=(crop.picture) alt=(s.label);
                     }
                     p.number { (time(s.render_ms.median)) " " small { "RMSE " (error(s.error.rmse)) } }
-                    p { code { (s.flags) } }
+                    p { code { (unbroken(&s.flags)) } }
                 }
             }
+        }
+    }
+}
+
+/// Flags, of which none is broken across lines.
+fn unbroken(flags: &str) -> Markup {
+    html! {
+        @for (i, flag) in flags.split(" --").enumerate() {
+            @if i > 0 { " " span { "--" (flag) } } @else { span { (flag) } }
         }
     }
 }
@@ -154,7 +163,7 @@ fn pictures(crops: &[Crop]) -> Markup {
     html! {
         section {
             h2 { "Side by side" }
-            p { "The part of the picture where the default errs most, twice as large; below each what FLIP says of it, the brighter the more visible." }
+            p { "The part of the picture where the default errs most, enlarged; below each what FLIP says of it, the brighter the more visible." }
             div.crops {
                 @for crop in crops {
                     figure {
@@ -182,8 +191,8 @@ fn tables(report: &Report) -> Markup {
                             thead { tr {
                                 th { "setting" } th { "render ms" } th { "fastest to slowest" } th { "rays" }
                                 th { "RMSE" } th { "PSNR dB" } th { "SSIM" } th { "FLIP" }
-                                th { "of the voxels" } th { "of sampling" }
-                                th { "silhouette px" } th { "depth, voxels: median, mean, 95 %, max" } th { "normal, degrees: median, mean, 95 %, max" }
+                                th { "RMSE of voxels alone" } th { "RMSE of sampling alone" }
+                                th { "silhouette px" } th { "depth, its own voxels: median, mean, 95 %, max" } th { "normal, degrees: median, mean, 95 %, max" }
                             } }
                             tbody {
                                 @for s in std::iter::once(report.usual()).filter(|_| axis != Axis::Default).chain(rows) { (row(s)) }

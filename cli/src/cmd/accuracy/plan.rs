@@ -89,7 +89,9 @@ pub fn settings(resolutions: &[u32], quick: bool) -> Vec<Setting> {
     for &resolution in resolutions {
         plan.add(Axis::Resolution, format!("{resolution}^3"), |s| s.voxels.resolution = resolution);
     }
-    for lod in 1..=if quick { 1 } else { 3 } {
+    // Not beyond the single voxel that is left in the end.
+    let levels = usual.next_power_of_two().ilog2() as u8;
+    for lod in 1..=levels.min(if quick { 1 } else { 3 }) {
         plan.add(Axis::Lod, format!("LOD {lod}"), |s| s.quality.lod = lod);
     }
     // The slowest to build, of pictures that hardly differ: what they get wrong is counted anyway.
@@ -196,5 +198,10 @@ mod tests {
             }
         }
         assert_eq!(settings(&[300], true)[0].voxels.resolution, 300);
+        // As many levels of detail as there are.
+        for (resolution, most) in [(1, 0), (2, 1), (3, 2), (4, 2), (5, 3), (1 << 20, 3)] {
+            let lods = settings(&[resolution], false).into_iter().map(|s| s.quality.lod);
+            assert_eq!(lods.max(), Some(most), "{resolution}");
+        }
     }
 }

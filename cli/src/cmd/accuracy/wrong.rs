@@ -12,6 +12,7 @@ use voxdag_oracle::ray;
 
 use crate::error::{Error, Kind, Result};
 use crate::measure::Spread;
+use crate::memory::Memory;
 use crate::overlap::{self, Brick, Near};
 use crate::stats;
 
@@ -40,7 +41,8 @@ const EXACT: &str = "the exact method";
 const ORACLE: &str = "the integer oracle";
 
 /// Methods of voxelising: by f32, by f64 and exactly, from the triangles to the bricks of a grid, without materials.
-pub fn voxelizing(mesh: &Mesh<'_>, grid: &Grid, repeat: u32) -> Result<[Wrong; 3]> {
+pub fn voxelizing(mesh: &Mesh<'_>, grid: &Grid, repeat: u32, memory: &Memory) -> Result<[Wrong; 3]> {
+    memory.afford(overlap::bytes(mesh, grid), "the textbook's overlap test", overlap::HINT)?;
     let exactly = || overlap::exact(mesh, grid).map_err(|error| Error::new(Kind::Failure, error));
     let by = |test: fn(&Near) -> u64| overlap::bricks(&overlap::near(mesh, grid), test);
     let (mut exact, mut found) = (Vec::new(), [const { Vec::new() }; 2]);
@@ -86,7 +88,11 @@ pub fn tracing<G: Geometry>(
     camera: &Camera,
     [width, height]: [u32; 2],
     repeat: u32,
+    memory: &Memory,
 ) -> Result<[Wrong; 3]> {
+    // Four rays: where each starts, what three methods found, and the two together for the oracle.
+    let bytes = 4 * 5 * 16 * u64::from(width) * u64::from(height);
+    memory.afford(bytes, "counting rays that are wrong", "make --size smaller or --memory-limit larger")?;
     let rays = camera.rays(width, height).map_err(Error::usage)?;
     let eye = grid.to_grid(camera.eye);
     let places = |y: u32| -> Vec<[f64; 2]> {

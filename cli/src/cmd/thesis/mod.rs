@@ -20,7 +20,7 @@ use crate::options::{ArithmeticArg, CameraArgs, LightingArgs, MachineArgs, Norma
 use crate::output::Output;
 use crate::picture::Picture;
 use crate::progress::Progress;
-use crate::report::{Lines, shell_word, time, visible};
+use crate::report::{Lines, file_name, shell_word, time, visible};
 use crate::scene;
 use measure::Subject;
 use published::Published;
@@ -204,12 +204,6 @@ fn names(meshes: &[PathBuf]) -> Result<Vec<String>> {
         names.push(name);
     }
     Ok(names)
-}
-
-/// A name that file systems and links take as it is.
-fn file_name(name: &str) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
-    name.chars().map(plain).collect()
 }
 
 /// Encodes the pictures of a scene, and gives its part of the survey.
