@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
 use crate::options::CameraArgs;
-use crate::output;
+use crate::output::Output;
 use crate::picture::{self, Shown};
 use crate::view::View;
 
@@ -64,11 +64,28 @@ fn numbered(path: &Path, frame: u32) -> PathBuf {
     path.with_file_name(name)
 }
 
-/// Refuses files that cannot be written, or that are among the `inputs`.
+/// The files of a picture, on their way.
+pub struct Outputs {
+    pub picture: Output,
+    pub depths: Option<Output>,
+}
+
+impl Shot {
+    /// Opens the way to its files.
+    pub fn create(&self) -> Result<Outputs> {
+        let depths = self.depths.as_deref().map(|path| Output::create(path, "pfm")).transpose()?;
+        Ok(Outputs { picture: Output::create(&self.picture, "png")?, depths })
+    }
+}
+
+/// Refuses files that cannot be written, or that are among the `inputs`. No more than one picture's are open at a time:
+/// systems allow few.
 pub fn check_outputs(shots: &[Shot], inputs: &[PathBuf]) -> Result<()> {
     shots.iter().try_for_each(|shot| {
-        output::check(&shot.picture, "png", inputs)?;
-        shot.depths.iter().try_for_each(|path| output::check(path, "pfm", inputs))
+        let Outputs { picture, depths } = shot.create()?;
+        let checked = std::iter::once(&picture).chain(&depths).try_for_each(|output| output.must_not_replace(inputs));
+        std::iter::once(picture).chain(depths).for_each(Output::discard);
+        checked
     })
 }
 

@@ -192,16 +192,13 @@ impl Output {
         WHOLE.store(true, Ordering::Relaxed);
         Ok(())
     }
-}
 
-/// Whether [`Output::create`] would open the way to `path`, and none of the `inputs` is there.
-pub fn check(path: &Path, extension: &str, inputs: &[PathBuf]) -> Result<()> {
-    let output = Output::create(path, extension)?;
-    let checked = output.must_not_replace(inputs);
-    let mut files = half_written();
-    files.retain(|file| file.0 != output.file.path());
-    drop(output);
-    checked
+    /// Gives up the way.
+    pub fn discard(self) {
+        let mut files = half_written();
+        files.retain(|f| f.0 != self.file.path());
+        drop(self.file);
+    }
 }
 
 /// A folder for outputs. If it was made for them and none came, it goes again.

@@ -10,13 +10,12 @@ use voxdag::geometry::Geometry;
 use crate::budget::{self, Calibration, Goal, Range};
 use crate::error::{Error, Result};
 use crate::formats;
-use crate::frames::{Shot, check_cameras, check_outputs, shots};
+use crate::frames::{Outputs, Shot, check_cameras, check_outputs, shots};
 use crate::input::{self, Content};
 use crate::memory::Memory;
 use crate::options::{
     BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, ViewArgs, duration, error, frames,
 };
-use crate::output::Output;
 use crate::picture::{Picture, Prepared, Rays, Shown};
 use crate::progress::Progress;
 use crate::quality::Quality;
@@ -173,6 +172,8 @@ pub fn run(args: &Args) -> Result<()> {
     let shots = shots(&view, args.frames.as_ref(), flags, &args.output, args.depth_out.as_deref())?;
     let inputs: Vec<_> = std::iter::once(&args.input).chain(&view.file).cloned().collect();
     check_outputs(&shots, &inputs)?;
+    // The first one's place is taken from here on.
+    let first = shots[0].create()?;
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
 
@@ -180,7 +181,7 @@ pub fn run(args: &Args) -> Result<()> {
         Content::Scene(words) => {
             args.build.must_be_absent(&args.input)?;
             let scene = scene::open(&args.input, &words)?;
-            (pool.install(|| draw(&Shown::of(&scene), args, &view, &shots, &memory))?, scene.grid, true)
+            (pool.install(|| draw(&Shown::of(&scene), args, &view, (&shots, first), &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text, &mut memory)?;
@@ -188,7 +189,7 @@ pub fn run(args: &Args) -> Result<()> {
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);
             drop(source);
-            (pool.install(|| draw(&built.shown(), args, &view, &shots, &memory))?, built.grid, false)
+            (pool.install(|| draw(&built.shown(), args, &view, (&shots, first), &memory))?, built.grid, false)
         }
     };
 
@@ -246,8 +247,14 @@ struct Done {
     drawn: Vec<Drawn>,
 }
 
-/// Draws what the flags ask for, and writes each picture when it is drawn.
-fn draw(scene: &Shown<'_>, args: &Args, view: &View, shots: &[Shot], memory: &Memory) -> Result<Done> {
+/// Draws what the flags ask for, and writes each picture when it is drawn, the `first` to files that are open.
+fn draw(
+    scene: &Shown<'_>,
+    args: &Args,
+    view: &View,
+    (shots, first): (&[Shot], Outputs),
+    memory: &Memory,
+) -> Result<Done> {
     if args.show == Show::Samples && args.picture.supersample.is_none() {
         return Err(Error::usage("--show samples: without --supersample all pixels are alike")
             .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
@@ -269,6 +276,7 @@ fn draw(scene: &Shown<'_>, args: &Args, view: &View, shots: &[Shot], memory: &Me
 
     // The rows of a single picture show their own progress.
     let progress = (shots.len() > 1).then(|| Progress::stage("drawing", shots.len() as u64));
+    let mut first = Some(first);
     let drawn = shots.iter().map(|shot| {
         if let (Some(progress), Some(frame)) = (&progress, shot.frame) {
             progress.say(format!("frame {frame}"));
@@ -278,10 +286,11 @@ fn draw(scene: &Shown<'_>, args: &Args, view: &View, shots: &[Shot], memory: &Me
             true => (prepared.draw(scene, &lit, args.show == Show::Samples, memory)?, None),
             false => show::draw(&seen, &lit, args.show, &rest)?,
         };
-        let depths = shot.depths.as_ref().map(|path| Ok((path, show::depths(&seen, &lit, &rest)?))).transpose()?;
-        Output::create(&shot.picture, "png")?.finish(|file| picture.write_png(file))?;
-        if let Some((path, depths)) = depths {
-            Output::create(path, "pfm")?.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
+        let depths = shot.depths.as_ref().map(|_| show::depths(&seen, &lit, &rest)).transpose()?;
+        let outputs = first.take().map_or_else(|| shot.create(), Ok)?;
+        outputs.picture.finish(|file| picture.write_png(file))?;
+        if let (Some(output), Some(depths)) = (outputs.depths, depths) {
+            output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
         }
         progress.iter().for_each(Progress::step);
         let Picture { samples, rays, hits, supersampled, effects, trace, .. } = picture;
