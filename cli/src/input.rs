@@ -137,11 +137,12 @@ impl Companions<'_> {
     }
 }
 
-fn open(path: &Path) -> Result<(File, u64)> {
+/// Opens a file, and says how long it is; a device or a pipe has no length beforehand.
+pub fn open(path: &Path) -> Result<(File, u64)> {
     let file = File::open(path).map_err(|e| unreadable(path, &e))?;
     let found = file.metadata().map_err(|e| unreadable(path, &e))?;
     if found.is_dir() {
-        return Err(Error::input(path, "is a folder").hint("name the mesh in it"));
+        return Err(Error::input(path, "is a folder").hint("name a file in it"));
     }
     Ok((file, found.len()))
 }

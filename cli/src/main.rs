@@ -1,7 +1,7 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` and `quality` (flags),
-//! `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores),
+//! `view` (view files), `frames`, `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores),
 //! `overlap`, `truth` and `metrics` (what to compare with, and how), `rays` and `formats` (other programs' files), `measure`,
 //! `machine`, `progress`, `report`, `stats` and `error`. No algorithm of the field lives here.
 
@@ -10,6 +10,7 @@ mod cmd;
 mod detail;
 mod error;
 mod formats;
+mod frames;
 mod hexfloat;
 mod input;
 mod layout;
@@ -31,6 +32,7 @@ mod show;
 mod stats;
 mod trees;
 mod truth;
+mod view;
 
 use clap::{Parser, Subcommand};
 
@@ -82,7 +84,7 @@ fn main() {
         Command::Export(args) => cmd::export::run(&args),
         Command::Accuracy(args) => cmd::accuracy::run(&args),
         Command::Compare(args) => cmd::compare::run(&args),
-        Command::Bench(args) => cmd::bench::run(&args),
+        Command::Bench(args) => cmd::bench::run(args),
         Command::Thesis(args) => cmd::thesis::run(&args),
         Command::Selftest(args) => cmd::selftest::run(&args),
         Command::Completions(args) => cmd::completions::run(&args),

@@ -6,6 +6,7 @@
 use std::fs::File;
 use std::io::{BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard};
 
 use tempfile::{NamedTempFile, TempDir};
@@ -13,6 +14,9 @@ use tempfile::{NamedTempFile, TempDir};
 use crate::error::{Error, INTERRUPTED, Kind, Result};
 
 type Remove = fn(&Path) -> std::io::Result<()>;
+
+/// Whether a file was put into its place.
+static WHOLE: AtomicBool = AtomicBool::new(false);
 
 /// What to remove when the run is interrupted, the last first, and how.
 static HALF_WRITTEN: Mutex<Vec<(PathBuf, Remove)>> = Mutex::new(Vec::new());
@@ -31,7 +35,11 @@ pub fn clean_up_when_interrupted() {
         }
         // A progress line may stand there.
         let clear = if std::io::stderr().is_terminal() { "\r\x1b[K" } else { "" };
-        let what = if files.is_empty() { "" } else { ": nothing was written" };
+        let what = match (files.is_empty(), WHOLE.load(Ordering::Relaxed)) {
+            (true, _) => "",
+            (false, false) => ": nothing was written",
+            (false, true) => ": the files written so far are whole",
+        };
         eprintln!("{clear}interrupted{what}");
         std::process::exit(INTERRUPTED);
     };
@@ -181,7 +189,15 @@ impl Output {
         let mut files = half_written();
         self.file.persist(&self.place).map_err(|e| Error::write(&self.path, e.error))?;
         files.retain(|f| f.0 != temporary);
+        WHOLE.store(true, Ordering::Relaxed);
         Ok(())
+    }
+
+    /// Gives up the way.
+    pub fn discard(self) {
+        let mut files = half_written();
+        files.retain(|f| f.0 != self.file.path());
+        drop(self.file);
     }
 }
 

@@ -15,14 +15,14 @@ use voxdag::lod::Lod;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
-use voxdag::shade::{Light, LightKind, has_highlight};
+use voxdag::shade::{Light, has_highlight};
 use voxdag::trace::Query;
 use voxdag::{Grid, Material};
 
 use crate::detail::{Detail, Looks};
 use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
-use crate::options::{CameraArgs, LightingArgs, PictureArgs};
+use crate::options::{CameraArgs, LightArg, LightingArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::stats;
@@ -103,6 +103,18 @@ impl Prepared {
         let detail = Detail::new(scene, lod, memory)?;
         let trees = Trees::new(detail.of(scene).geometry, &memory.with(detail.bytes()));
         Ok(Prepared { detail, trees, time: start.elapsed() })
+    }
+
+    /// Derives the level of detail alone, for rays one by one.
+    pub fn without_trees(scene: &Shown<'_>, lod: u8, memory: &Memory) -> Result<Prepared> {
+        let start = Instant::now();
+        let detail = Detail::new(scene, lod, memory)?;
+        Ok(Prepared { detail, trees: Trees { wide: None, top: None }, time: start.elapsed() })
+    }
+
+    /// What deriving it took.
+    pub fn time(&self) -> Duration {
+        self.time
     }
 
     /// Bytes that it takes.
@@ -250,10 +262,11 @@ pub fn primary(scene: &Shown<'_>, camera: &CameraArgs, [width, height]: [u32; 2]
 /// The lights that the flags describe, or the default one.
 pub fn lights(scene: &Shown<'_>, camera: &Camera, args: &LightingArgs) -> Vec<Light> {
     let shadow = args.shadows;
-    if args.lights.is_empty() {
+    if args.is_without_lights() {
         return vec![Light { shadow, ..camera.headlight(scene.bounds.radius()) }];
     }
-    args.lights.iter().map(|l| Light { kind: LightKind::Point(l.position), color: l.color, shadow }).collect()
+    let lights = args.lights.iter().chain(&args.suns);
+    lights.map(|&LightArg { kind, color, shadow: own }| Light { kind, color, shadow: shadow || own }).collect()
 }
 
 fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Settings> {
@@ -264,7 +277,8 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         supersample: args.supersample(scene.geometry, camera),
         normals: args.normals.kind(scene.has_normals())?,
         arithmetic: args.arithmetic.kind(),
-        ambient: args.lighting.ambient,
+        ambient: args.lighting.ambient(),
+        background: args.lighting.background(),
         ..Settings::default()
     })
 }

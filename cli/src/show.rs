@@ -15,7 +15,6 @@ use voxdag::normal;
 use voxdag::render::{Counters, each_pixel};
 use voxdag::trace::{Face, Hit, Query, Tracer};
 
-use crate::detail::Detail;
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::options::PictureArgs;
@@ -50,7 +49,7 @@ pub struct Spread {
     pub max: f64,
 }
 
-/// Draws what is not shaded on the threads of the current pool; the numbers, where there are some.
+/// Draws what is not shaded, whatever `args.lod`, on the threads of the current pool; the numbers, where there are some.
 pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) -> Result<(Picture, Option<Spread>)> {
     for (given, flag) in [(args.samples.is_some(), "--samples"), (args.supersample.is_some(), "--supersample")] {
         if given {
@@ -59,8 +58,6 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
         }
     }
     let start = Instant::now();
-    let (detail, memory) = detailed(shown, args, memory)?;
-    let (shown, memory) = (&detail.of(shown), &memory);
     let (geometry, normals) = (shown.geometry, args.normals.kind(shown.has_normals())?);
     // Pixels, the encoder's bytes, and the numbers.
     let mut pixels = picture::room(args.size, 12, memory)?;
@@ -118,19 +115,10 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
 /// Distances from the eye to what each pixel's middle shows, in world units, top row first; infinite where there is
 /// nothing.
 pub fn depths(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<f32>> {
-    let (detail, memory) = detailed(shown, args, memory)?;
-    let (shown, memory) = (&detail.of(shown), &memory);
     // The picture is there as well.
     let mut depths = picture::room(args.size, 12, memory)?;
     look(shown, args, &mut depths, |_, query, hit, _| distance(shown, query, hit))?;
     Ok(depths)
-}
-
-/// The level of detail that the flags ask for, and the account with it.
-fn detailed(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<(Detail, Memory)> {
-    let detail = Detail::new(shown, args.lod, memory)?;
-    let memory = memory.with(detail.bytes());
-    Ok((detail, memory))
 }
 
 /// Fills `out` with what `see` makes of each pixel's ray, its hit and the rounds of its walk.

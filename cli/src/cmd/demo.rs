@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use voxdag::demo;
+use voxdag::shade::LightKind;
 
 use crate::error::{Error, Result};
 use crate::memory::Memory;
@@ -114,6 +115,7 @@ fn source(memory: &mut Memory) -> Result<Source> {
 /// The view that suits the scene, as if it had been typed.
 pub fn view() -> PictureArgs {
     let view = demo::view();
+    let light = |position, color| LightArg { kind: LightKind::Point(position), color, shadow: false };
     PictureArgs {
         size: [1280, 720],
         camera: CameraArgs {
@@ -123,9 +125,9 @@ pub fn view() -> PictureArgs {
             fov: Some(view.fov_y),
         },
         lighting: LightingArgs {
-            lights: view.lights.iter().map(|&(position, color)| LightArg { position, color }).collect(),
-            shadows: false,
-            ambient: view.ambient,
+            lights: view.lights.iter().map(|&(position, color)| light(position, color)).collect(),
+            ambient: Some(view.ambient),
+            ..LightingArgs::default()
         },
         normals: NormalsArg::default(),
         samples: None,

@@ -1,5 +1,6 @@
 //! `voxdag render`: a mesh or a scene becomes a picture.
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -9,16 +10,20 @@ use voxdag::geometry::Geometry;
 use crate::budget::{self, Calibration, Goal, Range};
 use crate::error::{Error, Result};
 use crate::formats;
+use crate::frames::{Outputs, Shot, check_cameras, check_outputs, shots};
 use crate::input::{self, Content};
 use crate::memory::Memory;
-use crate::options::{BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, duration, error};
-use crate::output::Output;
-use crate::picture::{self, Picture, Rays, Shown};
+use crate::options::{
+    BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, ViewArgs, duration, error, frames,
+};
+use crate::picture::{Picture, Prepared, Rays, Shown};
+use crate::progress::Progress;
 use crate::quality::Quality;
 use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::show::{self, Show, Spread};
 use crate::stats::{self, ms};
+use crate::view::View;
 
 /// Draw a mesh or a voxel scene
 #[derive(clap::Args)]
@@ -26,7 +31,8 @@ use crate::stats::{self, ms};
 Examples:
   voxdag render bunny.obj -o bunny.png                          build at 512 voxels and draw
   voxdag render bunny.vxd -o bunny.png --size 1920x1080         draw what was built before
-  voxdag render hall.vxd -o hall.png --eye 1,1.7,8 --target 1,1.5,0 --light 2,3,4,1,0.9,0.8")]
+  voxdag render hall.vxd -o hall.png --eye 1,1.7,8 --target 1,1.5,0 --light 2,3,4,1,0.9,0.8
+  voxdag render hall.vxd -o hall.png --view tour.toml --frames 1-48     hall_0001.png to hall_0048.png")]
 pub struct Args {
     /// Wavefront OBJ file, or a scene from `voxdag build`
     #[arg(value_name = "MESH_OR_VXD")]
@@ -59,6 +65,14 @@ pub struct Args {
     #[command(flatten)]
     report: ReportArgs,
     #[command(flatten)]
+    view: ViewArgs,
+
+    /// Frames of the view's camera path, such as 1-48: IMG_0001.png to IMG_0048.png; without it, the view's [camera]
+    #[arg(long, value_name = "A-B", value_parser = frames, allow_hyphen_values = true,
+        help_heading = "Picture")]
+    frames: Option<RangeInclusive<u32>>,
+
+    #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
     build: BuildArgs,
@@ -69,7 +83,7 @@ pub struct Args {
 /// The flags that `--budget` and `--target-error` choose.
 const CHOSEN: [&str; 3] = ["samples", "supersample", "lod"];
 
-/// What `render --json` prints.
+/// What `render --json` prints; of frames, the sums.
 #[derive(Serialize)]
 struct Report<'a> {
     width: u32,
@@ -90,8 +104,11 @@ struct Report<'a> {
     ms: Ms,
     /// What the scene called for.
     effects: &'a [&'static str],
-    /// The numbers behind the colours of `--show depth`, `level` and `iterations`.
+    /// The numbers behind the colours of `--show depth`, `level` and `iterations`; of frames, each has its own.
     shown: Option<Spread>,
+    /// With `--frames`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    frames: Option<&'a [Drawn]>,
     #[serde(skip)]
     show: Show,
     /// What `--budget` or `--target-error` chose.
@@ -105,12 +122,10 @@ struct Report<'a> {
 struct Chosen {
     /// As they can be typed.
     flags: String,
-    #[serde(skip)]
-    quality: Quality,
     /// Of these one was asked for.
     budget_ms: Option<f64>,
     target_error: Option<f64>,
-    /// Of drawing the rows: what was expected, and what came of it.
+    /// Of drawing the rows: what was expected, and what came of it; of frames, the first.
     expected_ms: f64,
     got_ms: f64,
     /// On the rows that were looked at.
@@ -131,54 +146,79 @@ struct Ms {
     total: f64,
 }
 
+/// A picture that is in its file.
+#[derive(Serialize)]
+struct Drawn {
+    frame: Option<u32>,
+    file: PathBuf,
+    rays: Rays,
+    hits: u64,
+    supersampled: f64,
+    trace_ms: f64,
+    shown: Option<Spread>,
+    /// Per pixel.
+    #[serde(skip)]
+    samples: u32,
+    #[serde(skip)]
+    effects: Vec<&'static str>,
+}
+
 /// Runs the command.
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     args.build.check()?;
-    let output = Output::create(&args.output, "png")?;
-    let depth_output = args.depth_out.as_deref().map(|path| Output::create(path, "pfm")).transpose()?;
-    let outputs = || std::iter::once(&output).chain(&depth_output);
-    outputs().try_for_each(|output| output.must_not_replace(std::slice::from_ref(&args.input)))?;
+    let view = View::read(&args.view)?;
+    let flags = &args.picture.camera;
+    let shots = shots(&view, args.frames.as_ref(), flags, &args.output, args.depth_out.as_deref())?;
+    let inputs: Vec<_> = std::iter::once(&args.input).chain(&view.file).cloned().collect();
+    check_outputs(&shots, &inputs)?;
+    // The first one's place is taken from here on.
+    let first = shots[0].create()?;
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
 
-    let (drawn, grid, is_scene) = match input::read(&args.input, &mut memory)? {
+    let (done, grid, is_scene) = match input::read(&args.input, &mut memory)? {
         Content::Scene(words) => {
             args.build.must_be_absent(&args.input)?;
             let scene = scene::open(&args.input, &words)?;
-            (pool.install(|| draw(&Shown::of(&scene), args, &memory))?, scene.grid, true)
+            (pool.install(|| draw(&Shown::of(&scene), args, &view, (&shots, first), &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
             let source = scene::import_file(&args.input, text, &mut memory)?;
-            outputs().try_for_each(|output| output.must_not_replace(&source.files))?;
+            check_outputs(&shots, &source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);
             drop(source);
-            (pool.install(|| draw(&built.shown(), args, &memory))?, built.grid, false)
+            (pool.install(|| draw(&built.shown(), args, &view, (&shots, first), &memory))?, built.grid, false)
         }
     };
-    let Drawn { picture, shown, depths, chosen } = drawn;
-    let quality = chosen.as_ref().map(|chosen| chosen.quality);
-    let drawn = quality.map_or(args.picture.clone(), |quality| quality.apply(&args.picture));
-    output.finish(|file| picture.write_png(file))?;
-    if let (Some(output), Some(depths)) = (depth_output, depths) {
-        output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
-    }
 
-    let Picture { width, height, rays, hits, ref effects, derive, trace, .. } = picture;
+    let Done { lit, derive, chosen, drawn } = done;
+    let first = &drawn[0];
+    let sum = |of: fn(&Drawn) -> u64| drawn.iter().map(of).sum::<u64>();
+    let mean = |of: fn(&Drawn) -> f64| drawn.iter().map(of).sum::<f64>() / drawn.len() as f64;
     let report = Report {
-        width,
-        height,
-        samples: picture.samples,
-        supersample: drawn.supersample.unwrap_or(SupersampleArg::All).to_string(),
-        supersampled: picture.supersampled,
+        width: lit.size[0],
+        height: lit.size[1],
+        samples: first.samples,
+        supersample: lit.supersample.unwrap_or(SupersampleArg::All).to_string(),
+        supersampled: mean(|drawn| drawn.supersampled),
         resolution: grid.resolution,
-        lod: drawn.lod,
-        rays,
-        hits,
-        ms: Ms { derive: ms(derive), trace: ms(trace), total: ms(start.elapsed()) },
-        effects,
-        shown,
+        lod: lit.lod,
+        rays: Rays {
+            primary: sum(|drawn| drawn.rays.primary),
+            shadow: sum(|drawn| drawn.rays.shadow),
+            secondary: sum(|drawn| drawn.rays.secondary),
+        },
+        hits: sum(|drawn| drawn.hits),
+        ms: Ms {
+            derive: ms(derive),
+            trace: drawn.iter().map(|drawn| drawn.trace_ms).sum(),
+            total: ms(start.elapsed()),
+        },
+        effects: &first.effects,
+        shown: first.shown.filter(|_| args.frames.is_none()),
+        frames: args.frames.is_some().then_some(&drawn),
         show: args.show,
         chosen,
         peak_rss_bytes: stats::peak_rss_bytes(),
@@ -189,7 +229,7 @@ pub fn run(args: &Args) -> Result<()> {
     if !is_scene {
         let scene = shell_word(&args.output.with_extension("vxd"));
         report::next(format_args!("build {input} -o {scene}{}", args.build.typed()));
-    } else if args.show == Show::Shaded && drawn.samples.is_none() && drawn.supersample.is_none() {
+    } else if args.show == Show::Shaded && lit.samples.is_none() && lit.supersample.is_none() {
         report::next(format_args!("{} --samples 16", report::typed()));
     } else {
         report::next(format_args!("info {input}"));
@@ -197,65 +237,103 @@ pub fn run(args: &Args) -> Result<()> {
     Ok(())
 }
 
-/// A picture, and what else was asked for.
-struct Drawn {
-    picture: Picture,
-    shown: Option<Spread>,
-    depths: Option<Vec<f32>>,
+/// What came of a run.
+struct Done {
+    /// What all pictures share.
+    lit: PictureArgs,
+    /// Making what rays go through.
+    derive: Duration,
     chosen: Option<Chosen>,
+    drawn: Vec<Drawn>,
 }
 
-/// Draws what the flags ask for.
-fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
+/// Draws what the flags ask for, and writes each picture when it is drawn, the `first` to files that are open.
+fn draw(
+    scene: &Shown<'_>,
+    args: &Args,
+    view: &View,
+    (shots, first): (&[Shot], Outputs),
+    memory: &Memory,
+) -> Result<Done> {
+    if args.show == Show::Samples && args.picture.supersample.is_none() {
+        return Err(Error::usage("--show samples: without --supersample all pixels are alike")
+            .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
+    }
+    check_cameras(shots, scene, view)?;
+    let lighting = view.lighting(&args.picture.lighting);
+    let lit = PictureArgs { camera: shots[0].camera.clone(), lighting, ..args.picture.clone() };
     let goal = match (args.budget, args.target_error) {
         (Some(budget), _) => Some(Goal::Seconds(budget.as_secs_f64())),
         (None, error) => error.map(Goal::Error),
     };
-    if let Some(goal) = goal {
-        return choose(scene, args, goal, memory);
-    }
-    let (picture, shown) = match args.show {
-        Show::Samples if args.picture.supersample.is_none() => {
-            return Err(Error::usage("--show samples: without --supersample all pixels are alike")
-                .hint("add --supersample near, region:X0,Y0,X1,Y1 or adaptive"));
-        }
-        Show::Shaded | Show::Samples => {
-            (picture::draw(scene, &args.picture, args.show == Show::Samples, memory)?, None)
-        }
-        show => show::draw(scene, &args.picture, show, memory)?,
+    let is_shaded = matches!(args.show, Show::Shaded | Show::Samples);
+    let (prepared, lit, mut chosen) = match goal {
+        Some(goal) => choose(scene, args, &lit, goal, memory)?,
+        None if is_shaded => (Prepared::new(scene, lit.lod, memory)?, lit, None),
+        None => (Prepared::without_trees(scene, lit.lod, memory)?, lit, None),
     };
-    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &args.picture, memory)).transpose()?;
-    Ok(Drawn { picture, shown, depths, chosen: None })
+    let (seen, rest) = (prepared.parts(scene).0, memory.with(prepared.bytes()));
+
+    // The rows of a single picture show their own progress.
+    let progress = (shots.len() > 1).then(|| Progress::stage("drawing", shots.len() as u64));
+    let mut first = Some(first);
+    let drawn = shots.iter().map(|shot| {
+        if let (Some(progress), Some(frame)) = (&progress, shot.frame) {
+            progress.say(format!("frame {frame}"));
+        }
+        let lit = PictureArgs { camera: shot.camera.clone(), ..lit.clone() };
+        let (picture, shown) = match is_shaded {
+            true => (prepared.draw(scene, &lit, args.show == Show::Samples, memory)?, None),
+            false => show::draw(&seen, &lit, args.show, &rest)?,
+        };
+        let depths = shot.depths.as_ref().map(|_| show::depths(&seen, &lit, &rest)).transpose()?;
+        let outputs = first.take().map_or_else(|| shot.create(), Ok)?;
+        outputs.picture.finish(|file| picture.write_png(file))?;
+        if let (Some(output), Some(depths)) = (outputs.depths, depths) {
+            output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
+        }
+        progress.iter().for_each(Progress::step);
+        let Picture { samples, rays, hits, supersampled, effects, trace, .. } = picture;
+        let (frame, file, trace_ms) = (shot.frame, shot.picture.clone(), ms(trace));
+        Ok(Drawn { frame, file, rays, hits, supersampled, trace_ms, shown, samples, effects })
+    });
+    let drawn = drawn.collect::<Result<Vec<_>>>()?;
+    if let Some(chosen) = &mut chosen {
+        chosen.got_ms = drawn[0].trace_ms;
+    }
+    Ok(Done { lit, derive: prepared.time(), chosen, drawn })
 }
 
-/// Chooses how to draw, and draws.
-fn choose(scene: &Shown<'_>, args: &Args, goal: Goal, memory: &Memory) -> Result<Drawn> {
+/// Chooses how to draw, by the first picture.
+fn choose(
+    scene: &Shown<'_>,
+    args: &Args,
+    lit: &PictureArgs,
+    goal: Goal,
+    memory: &Memory,
+) -> Result<(Prepared, PictureArgs, Option<Chosen>)> {
     if args.show != Show::Shaded {
         return Err(Error::usage(
             "--budget and --target-error choose samples: what --show shows has one ray per pixel",
         )
         .hint("leave --show away"));
     }
-    let usual = Quality { normals: args.picture.normals, arithmetic: args.picture.arithmetic, ..Quality::default() };
-    let mut calibration = Calibration::new(scene, &args.picture, memory);
-    let range = Range { usual, size: args.picture.size, depth: scene.geometry.depth() };
+    let usual = Quality { normals: lit.normals, arithmetic: lit.arithmetic, ..Quality::default() };
+    let mut calibration = Calibration::new(scene, lit, memory);
+    let range = Range { usual, size: lit.size, depth: scene.geometry.depth() };
     let choice = budget::choose(&mut calibration, goal, range)?;
     let (prepared, calibrated) = calibration.finish(choice.quality)?;
-    let drawn = choice.quality.apply(&args.picture);
-    let picture = prepared.draw(scene, &drawn, false, memory)?;
-    let depths = args.depth_out.as_ref().map(|_| show::depths(scene, &drawn, memory)).transpose()?;
     let chosen = Chosen {
         flags: choice.quality.flags(),
-        quality: choice.quality,
         budget_ms: args.budget.map(ms),
         target_error: args.target_error,
         expected_ms: 1000.0 * choice.seconds,
-        got_ms: ms(picture.trace),
+        got_ms: 0.0,
         expected_error: choice.error,
         calibration_ms: ms(calibrated),
         note: choice.note,
     };
-    Ok(Drawn { picture, shown: None, depths, chosen: Some(chosen) })
+    Ok((prepared, choice.quality.apply(lit), Some(chosen)))
 }
 
 /// The report for people.
@@ -271,6 +349,10 @@ fn lines(report: &Report<'_>) -> Lines {
         resolution += &format!(", drawn as {}", grouped(report.resolution.div_ceil(1 << report.lod).into()));
     }
     let share = 100.0 * report.hits as f64 / report.rays.primary as f64;
+    if let Some([first, .., last] | [first @ last]) = report.frames {
+        let count = report.frames.map_or(0, <[_]>::len);
+        lines.row("frames", format!("{count}: {} to {}", first.file.display(), last.file.display()));
+    }
     lines
         .row("picture", format!("{}x{}, {} samples per {pixels}", report.width, report.height, report.samples))
         .row("resolution", resolution)

@@ -2,12 +2,12 @@
 //! its absence matters. Here: how scenes are built, on what machine, and how results are printed.
 
 mod picture;
-mod values;
+pub mod values;
 
 pub use picture::{ArithmeticArg, CameraArgs, LightArg, LightingArgs, NormalsArg, PictureArgs, SupersampleArg};
-pub use values::{duration, error, picture_size, resolution, supersample};
+pub use values::{duration, error, frames, picture_size, resolution, supersample};
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 
@@ -224,6 +224,15 @@ impl MachineArgs {
             .build()
             .map_err(|cause| Error::new(Kind::Failure, cause).hint("try fewer --threads"))
     }
+}
+
+/// From where a scene is seen, and its light, from a file.
+#[derive(Args, Clone, Debug, Default)]
+#[command(next_help_heading = "Picture")]
+pub struct ViewArgs {
+    /// Camera, lights, background and a camera path from a file, see docs/view.md; flags win over it
+    #[arg(long, value_name = "VIEW.toml")]
+    pub view: Option<PathBuf>,
 }
 
 /// How the result is printed.

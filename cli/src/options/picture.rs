@@ -6,15 +6,16 @@ use clap::{Args, ValueEnum};
 use voxdag::camera::Camera;
 use voxdag::geometry::Geometry;
 use voxdag::normal::NormalKind;
-use voxdag::render::{Samples, Supersample};
+use voxdag::render::{Samples, Settings, Supersample};
+use voxdag::shade::LightKind;
 use voxdag::trace::Arithmetic;
 
-use super::values::{colour, direction, field_of_view, light, picture_size, samples, supersample, triple};
+use super::values::{colour, direction, field_of_view, light, picture_size, samples, sun, supersample, triple};
 use crate::error::Error;
 use crate::report::number;
 
 /// From where the scene is seen.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, PartialEq, Debug, Default)]
 #[command(next_help_heading = "Picture")]
 pub struct CameraArgs {
     /// Where the camera stands [default: in front, to the right and above, twice half the box's diagonal away]
@@ -37,6 +38,16 @@ pub struct CameraArgs {
 }
 
 impl CameraArgs {
+    /// These flags, and `other` ones where they were not given.
+    pub fn or(&self, other: &CameraArgs) -> CameraArgs {
+        CameraArgs {
+            eye: self.eye.or(other.eye),
+            target: self.target.or(other.target),
+            view_up: self.view_up.or(other.view_up),
+            fov: self.fov.or(other.fov),
+        }
+    }
+
     /// The flags that give a camera.
     pub fn typed_of(camera: &Camera) -> String {
         let Camera { eye, target, up, fov_y } = *camera;
@@ -60,20 +71,28 @@ fn numbers(numbers: impl IntoIterator<Item = impl Into<f64>>) -> String {
 }
 
 /// How the scene is lit.
-#[derive(Args, Clone, Debug)]
+#[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Picture")]
 pub struct LightingArgs {
     /// A point light and its colour; may be repeated [default: one white light above the eye]
     #[arg(long = "light", value_name = "X,Y,Z[,R,G,B]", value_parser = light, allow_hyphen_values = true)]
     pub lights: Vec<LightArg>,
 
-    /// Let the lights cast shadows, the default one included: a ray from each surface to each light that it faces
+    /// A light infinitely far away in this direction, and its colour; may be repeated
+    #[arg(long = "sun", value_name = "X,Y,Z[,R,G,B]", value_parser = sun, allow_hyphen_values = true)]
+    pub suns: Vec<LightArg>,
+
+    /// Let all lights cast shadows, the default one included: a ray from each surface to each light that it faces
     #[arg(long)]
     pub shadows: bool,
 
-    /// Light from everywhere: one number or three
-    #[arg(long, value_name = "R,G,B", default_value = "0.2", value_parser = colour, allow_hyphen_values = true)]
-    pub ambient: [f32; 3],
+    /// Light from everywhere: one number or three [default: 0.2]
+    #[arg(long, value_name = "R,G,B", value_parser = colour, allow_hyphen_values = true)]
+    pub ambient: Option<[f32; 3]>,
+
+    /// Colour where there is nothing, as linear light: one number or three [default: 0.73,0.76,0.79]
+    #[arg(long, value_name = "R,G,B", value_parser = colour, allow_hyphen_values = true)]
+    pub background: Option<[f32; 3]>,
 }
 
 /// How the scene is seen and lit.
@@ -117,13 +136,39 @@ pub struct PictureArgs {
 }
 
 impl LightingArgs {
+    /// These flags, and `other` ones where they were not given; the lights are all from one of the two.
+    pub fn or(&self, other: &LightingArgs) -> LightingArgs {
+        let from = if self.is_without_lights() { other } else { self };
+        LightingArgs {
+            lights: from.lights.clone(),
+            suns: from.suns.clone(),
+            shadows: self.shadows || other.shadows,
+            ambient: self.ambient.or(other.ambient),
+            background: self.background.or(other.background),
+        }
+    }
+
+    /// Whether the default light is to shine.
+    pub fn is_without_lights(&self) -> bool {
+        self.lights.is_empty() && self.suns.is_empty()
+    }
+
+    /// Linear light from everywhere.
+    pub fn ambient(&self) -> [f32; 3] {
+        self.ambient.unwrap_or(Settings::default().ambient)
+    }
+
+    /// Linear colour where there is nothing.
+    pub fn background(&self) -> [f32; 3] {
+        self.background.unwrap_or(Settings::default().background)
+    }
+
     /// These flags, as they can be typed again.
     pub fn typed(&self) -> String {
-        let mut flags: Vec<_> = self.lights.iter().map(LightArg::typed).collect();
+        let mut flags: Vec<_> = self.lights.iter().chain(&self.suns).map(LightArg::typed).collect();
         flags.extend(self.shadows.then(|| "--shadows".to_owned()));
-        if self.ambient != [0.2; 3] {
-            flags.push(format!("--ambient {}", numbers(self.ambient)));
-        }
+        flags.extend(self.ambient.map(|colour| format!("--ambient {}", numbers(colour))));
+        flags.extend(self.background.map(|colour| format!("--background {}", numbers(colour))));
         flags.join(" ")
     }
 }
@@ -187,20 +232,26 @@ impl fmt::Display for SupersampleArg {
     }
 }
 
-/// A light as it is typed.
+/// A light as it is typed, or as a view file has it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct LightArg {
-    /// World position.
-    pub position: [f64; 3],
+    /// In the world.
+    pub kind: LightKind,
     /// Linear light, 0 and up.
     pub color: [f32; 3],
+    /// Whether it casts shadows, also without `--shadows`; only files say so.
+    pub shadow: bool,
 }
 
 impl LightArg {
-    /// The flag that gives it.
+    /// The flag that gives it, but for its own shadow.
     pub fn typed(&self) -> String {
         let colour = if self.color == [1.0; 3] { String::new() } else { format!(",{}", numbers(self.color)) };
-        format!("--light={}{colour}", numbers(self.position))
+        let (flag, place) = match self.kind {
+            LightKind::Point(position) => ("light", position),
+            LightKind::Directional(towards) => ("sun", towards),
+        };
+        format!("--{flag}={}{colour}", numbers(place))
     }
 }
 

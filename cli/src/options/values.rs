@@ -1,8 +1,10 @@
 //! How the values of flags are read: what is expected stands in every refusal.
 
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
 use voxdag::render::Samples;
+use voxdag::shade::LightKind;
 
 use super::picture::{LightArg, SupersampleArg};
 use crate::report::number as number_text;
@@ -20,8 +22,11 @@ fn numbers(text: &str) -> Result<Vec<f64>, String> {
 }
 
 pub fn triple(text: &str) -> Result<[f64; 3], String> {
-    let found = numbers(text)?;
-    <[f64; 3]>::try_from(found).map_err(|found| format!("expected three numbers x,y,z, found {}", found.len()))
+    triple_of(&numbers(text)?)
+}
+
+pub fn triple_of(found: &[f64]) -> Result<[f64; 3], String> {
+    <[f64; 3]>::try_from(found).map_err(|_| format!("expected three numbers x,y,z, found {}", found.len()))
 }
 
 fn linear(parts: &[f64]) -> Result<[f32; 3], String> {
@@ -37,17 +42,32 @@ fn linear(parts: &[f64]) -> Result<[f32; 3], String> {
 }
 
 pub fn colour(text: &str) -> Result<[f32; 3], String> {
-    match numbers(text)?[..] {
+    colour_of(&numbers(text)?)
+}
+
+pub fn colour_of(found: &[f64]) -> Result<[f32; 3], String> {
+    match *found {
         [grey] => linear(&[grey; 3]),
         [r, g, b] => linear(&[r, g, b]),
-        ref found => Err(format!("expected one number or three r,g,b, found {}", found.len())),
+        _ => Err(format!("expected one number or three r,g,b, found {}", found.len())),
     }
 }
 
 pub fn light(text: &str) -> Result<LightArg, String> {
+    let (position, color) = placed(text)?;
+    Ok(LightArg { kind: LightKind::Point(position), color, shadow: false })
+}
+
+pub fn sun(text: &str) -> Result<LightArg, String> {
+    let (towards, color) = placed(text)?;
+    Ok(LightArg { kind: LightKind::Directional(direction_of(&towards)?), color, shadow: false })
+}
+
+/// Three numbers, and a colour if there are three more.
+fn placed(text: &str) -> Result<([f64; 3], [f32; 3]), String> {
     match numbers(text)?[..] {
-        [x, y, z] => Ok(LightArg { position: [x, y, z], color: [1.0; 3] }),
-        [x, y, z, r, g, b] => Ok(LightArg { position: [x, y, z], color: linear(&[r, g, b])? }),
+        [x, y, z] => Ok(([x, y, z], [1.0; 3])),
+        [x, y, z, r, g, b] => Ok(([x, y, z], linear(&[r, g, b])?)),
         ref found => Err(format!("expected three numbers x,y,z or six x,y,z,r,g,b, found {}", found.len())),
     }
 }
@@ -58,12 +78,19 @@ pub fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn field_of_view(text: &str) -> Result<f64, String> {
-    let x = number(text)?;
+    field_of_view_of(number(text)?)
+}
+
+pub fn field_of_view_of(x: f64) -> Result<f64, String> {
     if x > 0.0 && x < 180.0 { Ok(x) } else { Err("expected degrees above 0 and below 180".to_owned()) }
 }
 
 pub fn direction(text: &str) -> Result<[f64; 3], String> {
-    match triple(text)? {
+    direction_of(&numbers(text)?)
+}
+
+pub fn direction_of(found: &[f64]) -> Result<[f64; 3], String> {
+    match triple_of(found)? {
         [0.0, 0.0, 0.0] => Err("expected a direction, such as 0,1,0: it cannot be 0,0,0".to_owned()),
         v => Ok(v),
     }
@@ -123,6 +150,20 @@ pub fn supersample(text: &str) -> Result<SupersampleArg, String> {
             }
         }
         _ => Err("expected all, near[:SHARE], region:X0,Y0,X1,Y1 or adaptive[:DEGREES]".to_owned()),
+    }
+}
+
+/// The last frame there can be: their numbers have four digits.
+pub const LAST_FRAME: u32 = 9999;
+
+/// Reads `FIRST-LAST`, or one frame.
+pub fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
+    let expected = || format!("expected frames such as 1-48, or one, each 1 to {LAST_FRAME}");
+    let (first, last) = text.split_once('-').unwrap_or((text, text));
+    let frame = |text: &str| text.parse().ok().filter(|n| (1..=LAST_FRAME).contains(n)).ok_or_else(expected);
+    match (frame(first)?, frame(last)?) {
+        (first, last) if first <= last => Ok(first..=last),
+        (first, last) => Err(format!("expected the first frame before the last: {last}-{first}")),
     }
 }
 
@@ -217,6 +258,16 @@ mod tests {
             ["region", "region:1,2,3", "region:1,2,3,4,5", "region:3,0,3,9", "region:0,9,9,0", "region:-1,0,3,9"]
         {
             assert!(supersample(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn directions_of_suns_and_ranges_of_frames() {
+        assert_eq!(sun("0,-1,0,1,2,3").unwrap().kind, LightKind::Directional([0.0, -1.0, 0.0]));
+        assert!(sun("0,0,0").is_err() && sun("1,2").is_err());
+        assert_eq!((frames("1-48"), frames("7")), (Ok(1..=48), Ok(7..=7)));
+        for wrong in ["", "-", "1-", "-3", "0-3", "3-1", "1-10000", "1-2-3", "a"] {
+            assert!(frames(wrong).is_err(), "{wrong}");
         }
     }
 

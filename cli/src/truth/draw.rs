@@ -237,7 +237,8 @@ mod tests {
         let camera = crate::picture::camera(&shown, &args.camera).unwrap();
         let lights = [camera.headlight(shown.bounds.radius())];
         let background = Settings::default().background;
-        let lit = Lit { palette: &shown.palette, camera, lights: &lights, ambient: args.lighting.ambient, background };
+        let lit =
+            Lit { palette: &shown.palette, camera, lights: &lights, ambient: args.lighting.ambient(), background };
         let truth = draw(&Known::Torus.closed(), &lit, args.size, Samples::Sixteen, &memory).unwrap();
         let squares: Vec<_> = truth
             .iter()

@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 use voxdag::camera::Camera;
-use voxdag::render::{Samples, Settings};
+use voxdag::render::Samples;
 
 use super::build::{self, Scene};
 use super::cost;
@@ -135,8 +135,8 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
         palette: &usual.palette,
         camera,
         lights: &lights,
-        ambient: subject.lighting.ambient,
-        background: Settings::default().background,
+        ambient: subject.lighting.ambient(),
+        background: subject.lighting.background(),
     };
     let (pixels, truth_time) = stats::timed(|| truth::draw(truth, &lit, size, Samples::SixtyFour, memory));
     let pixels = pixels?;

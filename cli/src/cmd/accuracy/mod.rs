@@ -24,13 +24,15 @@ use crate::error::{Error, Result};
 use crate::input;
 use crate::memory::Memory;
 use crate::options::{
-    BuildArgs, CameraArgs, LightingArgs, MachineArgs, ReportArgs, UpAxisArg, name_of, picture_size, resolution,
+    BuildArgs, CameraArgs, LightingArgs, MachineArgs, ReportArgs, UpAxisArg, ViewArgs, name_of, picture_size,
+    resolution,
 };
 use crate::output::{Folder, Output, Scratch};
 use crate::picture;
 use crate::report::{Lines, file_name, grouped, shell_word, time};
 use crate::scene::{self, Source};
 use crate::truth::{Known, MeshTruth, Truth};
+use crate::view::View;
 use measure::{Found, Subject};
 use plan::Setting;
 use report::{Advice, Head, Report};
@@ -80,6 +82,8 @@ pub struct Args {
     up_axis: Option<UpAxisArg>,
 
     #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
     lighting: LightingArgs,
@@ -113,6 +117,10 @@ fn write_all(args: &Args) -> Result<Report> {
     let (page, plot) = (output("report.html", "html")?, output("front.svg", "svg")?);
     let (csv, json) = (output("accuracy.csv", "csv")?, output("accuracy.json", "json")?);
 
+    let view = View::read(&args.view)?;
+    let (camera, lighting) = (view.camera(&args.camera), view.lighting(&args.lighting));
+    let files = [&page, &plot, &csv, &json];
+    files.iter().try_for_each(|output| output.must_not_replace(view.file.as_slice()))?;
     let pictures = args.output.join("pictures");
     let _folder = Folder::create(&pictures)?;
 
@@ -120,13 +128,12 @@ fn write_all(args: &Args) -> Result<Report> {
     let (report, found, settings) = match (&args.mesh, args.scene) {
         (_, Some(known)) => {
             let (source, truth) = (known.source(), known.closed());
-            measure(args, &source, None, (&truth, "the closed form"), (&args.camera, &args.lighting), &mut memory)?
+            measure(args, &source, None, (&truth, "the closed form"), (&camera, &lighting), &mut memory)?
         }
         (Some(path), None) => {
             let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, &mut memory)?;
-            let files = [&page, &plot, &csv, &json];
             files.iter().try_for_each(|output| output.must_not_replace(&source.files))?;
-            against_mesh(args, &source, path, (&args.camera, &args.lighting), &mut memory)?
+            against_mesh(args, &source, path, (&camera, &lighting), &mut memory)?
         }
         (None, None) => {
             // A file like any other, so that its build can be watched.
@@ -140,7 +147,8 @@ fn write_all(args: &Args) -> Result<Report> {
                 std::fs::write(&path, text).map_err(|cause| Error::write(&path, cause))?;
             }
             let source = scene::import_file(&path, input::read_mesh(&path, &mut memory)?, &mut memory)?;
-            let (camera, lighting) = demo_view(args);
+            let usual = demo::view();
+            let (camera, lighting) = (camera.or(&usual.camera), lighting.or(&usual.lighting));
             against_mesh(args, &source, &path, (&camera, &lighting), &mut memory)?
         }
     };
@@ -196,7 +204,12 @@ fn measure(
     let size = args.size.unwrap_or(if args.quick { [320, 180] } else { [640, 360] });
     let subject = Subject { source, file, truth, build: &build, size, camera, lighting, repeat, slow_repeat };
     let found = measure::run(&subject, &settings, memory)?;
-    let view = [format!("--size {}x{}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lighting.typed()];
+    // A view file's lights may be such as no flags give.
+    let lights = match &args.view.view {
+        Some(file) => format!("--view {} {}", shell_word(file), args.lighting.typed()),
+        None => lighting.typed(),
+    };
+    let view = [format!("--size {}x{}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lights];
     let head = Head {
         scene: args.scene_name(),
         triangles: source.model.mesh().triangles.len(),
@@ -207,25 +220,6 @@ fn measure(
         threads: rayon::current_num_threads(),
     };
     Ok((Report::new(head, &settings, &found)?, found, settings))
-}
-
-/// The demo's view, but for what the flags say otherwise.
-fn demo_view(args: &Args) -> (CameraArgs, LightingArgs) {
-    let view = demo::view();
-    let CameraArgs { eye, target, view_up, fov } = &args.camera;
-    let camera = CameraArgs {
-        eye: eye.or(view.camera.eye),
-        target: target.or(view.camera.target),
-        view_up: view_up.or(view.camera.view_up),
-        fov: fov.or(view.camera.fov),
-    };
-    let lighting = match &args.lighting {
-        LightingArgs { lights, shadows, .. } if lights.is_empty() => {
-            LightingArgs { shadows: *shadows, ..view.lighting }
-        }
-        given => given.clone(),
-    };
-    (camera, lighting)
 }
 
 impl Args {

@@ -22,10 +22,11 @@ use voxdag_oracle::rng::Rng;
 use crate::error::{Error, Kind, Result};
 use crate::input::{self, Content};
 use crate::measure::Times;
-use crate::options::{BuildArgs, CameraArgs, MachineArgs, ReportArgs, picture_size};
+use crate::options::{BuildArgs, CameraArgs, MachineArgs, ReportArgs, ViewArgs, picture_size};
 use crate::picture::Shown;
 use crate::report::grouped;
 use crate::scene::{self, Source};
+use crate::view::View;
 
 /// Measure how fast this machine traces, shades and builds
 #[derive(clap::Args)]
@@ -77,6 +78,8 @@ struct Run {
     size: [u32; 2],
 
     #[command(flatten)]
+    view: ViewArgs,
+    #[command(flatten)]
     camera: CameraArgs,
     #[command(flatten)]
     build: BuildArgs,
@@ -88,22 +91,23 @@ struct Run {
 }
 
 /// Runs the command.
-pub fn run(args: &Args) -> Result<()> {
+pub fn run(mut args: Args) -> Result<()> {
     let (Subject::Trace(trace::Args { run, .. })
     | Subject::Normals(run)
     | Subject::Materials(run)
     | Subject::Ranks(run)
     | Subject::Build(run)
-    | Subject::Accuracy(run)) = &args.subject;
+    | Subject::Accuracy(run)) = &mut args.subject;
     run.build.check()?;
-    let input = Input::read(run)?;
-    run.machine().pool()?.install(|| match &args.subject {
-        Subject::Trace(args) => input.with_scene(run, |scene| trace::run(args, scene)),
-        Subject::Normals(_) => input.with_scene(run, |scene| normals::run(run, scene)),
-        Subject::Materials(_) => input.with_scene(run, |scene| materials::run(run, scene)),
-        Subject::Ranks(_) => input.with_scene(run, |scene| ranks::run(run, scene)),
-        Subject::Build(_) => build::run(run, input.mesh(&run.input)?),
-        Subject::Accuracy(_) => input.with_scene(run, |scene| accuracy::run(run, scene, input.mesh(&run.input).ok())),
+    run.camera = View::read(&run.view)?.camera(&run.camera);
+    let (input, pool) = (Input::read(run)?, run.machine().pool()?);
+    pool.install(|| match &args.subject {
+        Subject::Trace(args) => input.with_scene(&args.run, |scene| trace::run(args, scene)),
+        Subject::Normals(run) => input.with_scene(run, |scene| normals::run(run, scene)),
+        Subject::Materials(run) => input.with_scene(run, |scene| materials::run(run, scene)),
+        Subject::Ranks(run) => input.with_scene(run, |scene| ranks::run(run, scene)),
+        Subject::Build(run) => build::run(run, input.mesh(&run.input)?),
+        Subject::Accuracy(run) => input.with_scene(run, |scene| accuracy::run(run, scene, input.mesh(&run.input).ok())),
     })
 }
 

@@ -155,7 +155,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
         let drawing = PictureArgs {
             size: args.size,
             camera: view.camera,
-            lighting: LightingArgs { lights: view.lights, shadows: false, ambient: [0.2; 3] },
+            lighting: LightingArgs { lights: view.lights, ..LightingArgs::default() },
             normals: NormalsArg::default(),
             samples: None,
             supersample: None,

@@ -2,6 +2,7 @@
 
 use voxdag::camera::Camera;
 use voxdag::grid::{Bounds, UpAxis};
+use voxdag::shade::LightKind;
 
 use super::published::Published;
 use crate::options::{CameraArgs, LightArg};
@@ -39,7 +40,7 @@ impl View {
         match published.and_then(|scene| INSIDE.iter().find(|(name, _)| *name == scene.name)) {
             Some((_, inside)) if !by_hand => {
                 let (eye, target) = (Some(place(inside.eye)), Some(place(inside.target)));
-                let light = LightArg { position: place(inside.light), color: [1.0; 3] };
+                let light = LightArg { kind: LightKind::Point(place(inside.light)), color: [1.0; 3], shadow: false };
                 let camera = CameraArgs { eye, target, view_up: None, fov: Some(inside.fov) };
                 View { camera, lights: vec![light], built_in: true }
             }
