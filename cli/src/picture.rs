@@ -8,6 +8,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
+use voxdag::effects::Effects;
 use voxdag::file::Scene;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::layout::AnyGeometry;
@@ -15,7 +16,7 @@ use voxdag::lod::Lod;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
-use voxdag::shade::{Light, LightKind, has_highlight};
+use voxdag::shade::{Light, LightKind};
 use voxdag::trace::Query;
 use voxdag::{Grid, Material};
 
@@ -40,8 +41,8 @@ pub struct Picture {
     pub hits: u64,
     /// Share of the pixels that took all samples, where these are more than one.
     pub supersampled: f64,
-    /// Names of what the scene called for.
-    pub effects: Vec<&'static str>,
+    /// What the scene called for and the flags allow.
+    pub effects: Effects,
     /// Making what rays go through: the level of detail, trees.
     pub derive: Duration,
     /// Following rays and shading.
@@ -122,10 +123,7 @@ impl Prepared {
             let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
             in_bands("drawing", args.size, &mut pixels, |rows, pixels| render_rows(&view, &settings, rows, pixels))?
         });
-        let effects = [
-            ("highlights", !lights.is_empty() && scene.palette.iter().any(has_highlight)),
-            ("shadows", lights.iter().any(|light| light.shadow)),
-        ];
+        let effects = settings.effects.intersection(Effects::needed(&scene.palette, &lights));
         Ok(Picture {
             width,
             height,
@@ -134,7 +132,7 @@ impl Prepared {
             rays: Rays::of(&counters),
             hits: counters.hits,
             supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
-            effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
+            effects,
             derive: self.time,
             trace: start.elapsed(),
         })
@@ -219,6 +217,7 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         normals: args.normals.kind(scene.has_normals())?,
         arithmetic: args.arithmetic.kind(),
         ambient: args.lighting.ambient,
+        effects: args.effects,
         ..Settings::default()
     })
 }

@@ -154,11 +154,12 @@ pub(crate) fn through(material: &Material) -> [f32; 3] {
 }
 
 /// The share of the light from the mirrored direction that is sent back, per channel, to a viewer at an angle of this
-/// `cosine` to the normal: Ks, in the models 5 and 7 growing to 1 at grazing angles (Schlick 1994).
-pub(crate) fn mirrored(material: &Material, cosine: f32) -> [f32; 3] {
+/// `cosine` to the normal: Ks, in the models 5 and 7 growing to 1 at grazing angles (Schlick 1994). Where one `sees_through`
+/// what is no glass, it is of as much as is there.
+pub(crate) fn mirrored(material: &Material, cosine: f32, sees_through: bool) -> [f32; 3] {
     let grazing = 1.0 - cosine.clamp(0.0, 1.0);
     let rise = if is_fresnel(material) { grazing * grazing * grazing * grazing * grazing } else { 0.0 };
-    let whole = if is_glass(material) { 1.0 } else { material.opacity.min(1.0) };
+    let whole = if sees_through && !is_glass(material) { material.opacity } else { 1.0 };
     material.specular.map(|ks| {
         let ks = ks.min(1.0);
         whole * (ks + (1.0 - ks) * rise)
@@ -213,9 +214,11 @@ mod tests {
         for tf in [0.0, 1.0] {
             assert_eq!(opacity(&Material { transmission: [tf; 3], ..glass(9, 1.0) }), 1.0);
         }
-        assert_eq!(mirrored(&glass(3, 0.5), 0.0), [0.25, 0.125, 0.5]);
-        assert_eq!(mirrored(&glass(4, 0.5), 0.0), [0.5, 0.25, 1.0]);
-        assert_eq!((mirrored(&glass(7, 0.5), 1.0), mirrored(&glass(7, 0.5), 0.0)), ([0.5, 0.25, 1.0], [1.0; 3]));
+        assert_eq!(mirrored(&glass(3, 0.5), 0.0, true), [0.25, 0.125, 0.5]);
+        assert_eq!(mirrored(&glass(4, 0.5), 0.0, true), [0.5, 0.25, 1.0]);
+        assert_eq!(mirrored(&glass(3, 0.5), 0.0, false), [0.5, 0.25, 1.0]);
+        let fresnel = |cosine| mirrored(&glass(7, 0.5), cosine, true);
+        assert_eq!((fresnel(1.0), fresnel(0.0)), ([0.5, 0.25, 1.0], [1.0; 3]));
         assert_eq!(passed(&glass(7, 0.5), [0.5, 0.25, 1.0]), [0.25, 0.1875, 0.0]);
         assert_eq!(passed(&glass(6, 0.5), [1.0; 3]), through(&glass(6, 0.5)));
         let [dissolved, polished] = [2, 4].map(|illum| faded(&glass(illum, 0.5)));

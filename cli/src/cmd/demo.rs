@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use voxdag::demo;
+use voxdag::effects::Effects;
 
 use crate::error::{Error, Result};
 use crate::memory::Memory;
@@ -131,6 +132,7 @@ pub fn view() -> PictureArgs {
         samples: None,
         supersample: None,
         arithmetic: ArithmeticArg::default(),
+        effects: Effects::ALL,
         lod: 0,
     }
 }

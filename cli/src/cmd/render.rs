@@ -53,7 +53,7 @@ pub struct Args {
 
 /// What `render --json` prints.
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report {
     width: u32,
     height: u32,
     /// Per pixel.
@@ -71,7 +71,7 @@ struct Report<'a> {
     hits: u64,
     ms: Ms,
     /// What the scene called for.
-    effects: &'a [&'static str],
+    effects: Vec<&'static str>,
     /// The numbers behind the colours of `--show depth`, `level` and `iterations`.
     shown: Option<Spread>,
     #[serde(skip)]
@@ -122,7 +122,7 @@ pub fn run(args: &Args) -> Result<()> {
         output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
     }
 
-    let Picture { width, height, rays, hits, ref effects, derive, trace, .. } = picture;
+    let Picture { width, height, rays, hits, effects, derive, trace, .. } = picture;
     let report = Report {
         width,
         height,
@@ -134,7 +134,7 @@ pub fn run(args: &Args) -> Result<()> {
         rays,
         hits,
         ms: Ms { derive: ms(derive), trace: ms(trace), total: ms(start.elapsed()) },
-        effects,
+        effects: effects.names().collect(),
         shown,
         show: args.show,
         peak_rss_bytes: stats::peak_rss_bytes(),
@@ -177,7 +177,7 @@ fn draw(scene: &Shown<'_>, args: &Args, memory: &Memory) -> Result<Drawn> {
 }
 
 /// The report for people.
-fn lines(report: &Report<'_>) -> Lines {
+fn lines(report: &Report) -> Lines {
     let mut lines = Lines::default();
     let effects = if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") };
     let pixels = match report.supersample.as_str() {

@@ -1,5 +1,6 @@
 //! How the values of flags are read: what is expected stands in every refusal.
 
+use voxdag::effects::Effects;
 use voxdag::render::Samples;
 
 use super::picture::{LightArg, SupersampleArg};
@@ -105,6 +106,30 @@ pub fn supersample(text: &str) -> Result<SupersampleArg, String> {
     }
 }
 
+/// Reads a set of effects: one by name, then changes to it; without a name changes to all.
+pub fn effects(text: &str) -> Result<Effects, String> {
+    let (first, changes) = text.split_once(',').unwrap_or((text, ""));
+    let (set, changes) = match first {
+        "auto" | "all" => (Effects::ALL, changes),
+        "phong" => (Effects::PHONG, changes),
+        _ => (Effects::ALL, text),
+    };
+    let change = |set: Effects, change: &str| {
+        let effect = Effects::named(change.get(1..)?)?;
+        match change.as_bytes()[0] {
+            b'+' => Some(set.union(effect)),
+            b'-' => Some(set.difference(effect)),
+            _ => None,
+        }
+    };
+    let named_alone = changes.is_empty() && changes.len() != text.len() && !text.ends_with(',');
+    let changed = if named_alone { Some(set) } else { changes.split(',').try_fold(set, change) };
+    changed.ok_or_else(|| {
+        let names: Vec<_> = Effects::ALL.names().collect();
+        format!("expected auto, phong or all, or +NAME and -NAME by commas, with the names {}", names.join(", "))
+    })
+}
+
 /// Largest side of a picture: PNG readers and graphics cards stop there.
 const MAX_SIDE: u32 = 32768;
 
@@ -184,6 +209,28 @@ mod tests {
             ["region", "region:1,2,3", "region:1,2,3,4,5", "region:3,0,3,9", "region:0,9,9,0", "region:-1,0,3,9"]
         {
             assert!(supersample(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sets_of_effects() {
+        let (all, phong, mirror) = (Effects::ALL, Effects::PHONG, Effects::MIRROR);
+        for (text, set) in [
+            ("auto", all),
+            ("all", all),
+            ("phong", phong),
+            ("phong,+mirror", phong.union(mirror)),
+            ("-mirror", all.difference(mirror)),
+            ("-mirror,-specular,+mirror", all.difference(phong)),
+            ("auto,-emission", all.difference(Effects::EMISSION)),
+            ("+mirror", all),
+        ] {
+            assert_eq!(effects(text), Ok(set), "{text}");
+        }
+        for wrong in
+            ["", ",", "auto,", "none", "mirror", "phong,mirror", "-", "+phong", "-mirror,auto", "-mirror,", "\u{e9}"]
+        {
+            assert!(effects(wrong).is_err(), "{wrong}");
         }
     }
 

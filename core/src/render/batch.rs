@@ -169,7 +169,9 @@ impl Batch {
         let normals = &self.normals[..self.count];
         counters.normals += match settings.normals {
             NormalKind::Face => 0,
-            NormalKind::Stored => normals.iter().filter(|normal| normal.confidence != Confidence::Stored).count() as u64,
+            NormalKind::Stored => {
+                normals.iter().filter(|normal| normal.confidence != Confidence::Stored).count() as u64
+            }
             _ => normals.len() as u64,
         };
         for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
@@ -239,9 +241,7 @@ impl Batch {
         for i in 0..self.count {
             let surface = self.surface(i, &view.grid);
             let Some(incidence) = light.falls_on(&surface) else { continue };
-            if casts_shadows
-                && let Some(ray) = self.shadow(i, &in_grid)
-            {
+            if casts_shadows && let Some(ray) = self.shadow(i, &in_grid) {
                 self.rays[waiting] = ray;
                 self.waiting[waiting] = (i as u8, incidence);
                 waiting += 1;

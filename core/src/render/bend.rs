@@ -52,6 +52,9 @@ pub(super) fn back(met: &Met<'_>, dir: [f64; 3]) -> Option<Query> {
     }
 }
 
+/// How much farther off, in voxels, a surface's voxels may be, as normals are fitted.
+const SLACK: f64 = 0.5;
+
 /// How a ray comes out behind a surface.
 pub(super) struct Behind {
     /// The first voxel that is not the surface's; if something else fills it, the surface's last one.
@@ -75,7 +78,7 @@ pub(super) fn behind<M: Materials, G: Geometry>(
     let (mut last, mut gap) = (hit.voxel, None);
     for voxel in (Query { start: Some(hit.voxel), ..*ray }).voxels(geometry.depth()).skip(1) {
         let filled = geometry.contains(voxel);
-        let near = height(voxel).abs() <= most;
+        let near = height(voxel).abs() <= most + SLACK;
         if filled && materials.id(voxel) == id && (near || gap.is_none()) {
             (last, gap) = (voxel, None);
             continue;

@@ -20,6 +20,9 @@ use crate::morton::Morton;
 use crate::normal;
 use crate::trace::{Face, Hit, Query};
 
+/// What sends rays on.
+pub(super) const GOES_ON: Effects = Effects::MIRROR.union(Effects::TRANSPARENCY);
+
 /// Most rays in a row behind a camera's.
 pub(super) const DEPTH: u8 = 8;
 
@@ -160,8 +163,8 @@ impl Waiting {
         met: &Met<'_>,
         path: Path,
     ) {
-        let effects = Effects::of(met.material).intersection(settings.effects);
-        if !effects.intersects(Effects::MIRROR.union(Effects::TRANSPARENCY)) || path.depth == DEPTH {
+        let effects = effects_of(view, settings, met.id);
+        if !effects.intersects(GOES_ON) || path.depth == DEPTH {
             return;
         }
         let Some(dir) = math::normalize(met.dir) else { return };
@@ -172,21 +175,26 @@ impl Waiting {
             share.iter().any(|x| *x >= LEAST).then_some(path)
         };
 
+        let sees_through = effects.contains(Effects::TRANSPARENCY);
         let mut mirrored = [0.0; 3];
         if effects.contains(Effects::MIRROR) && met.hit.face != Face::Inside {
-            mirrored = effects::mirrored(met.material, -math::dot(dir, n) as f32);
+            mirrored = effects::mirrored(met.material, -math::dot(dir, n) as f32, sees_through);
             if let Some(path) = next(mirrored) {
                 self.push(path, bend::back(met, bend::reflected(dir, n)), settings);
             }
         }
-        if effects.contains(Effects::TRANSPARENCY)
-            && let Some(path) = next(effects::passed(met.material, mirrored))
-        {
+        if sees_through && let Some(path) = next(effects::passed(met.material, mirrored)) {
             let refracts = effects.contains(Effects::REFRACTION);
             let (ray, medium) = through(view, met, (dir, n), refracts, path.medium);
             self.push(Path { medium, ..path }, ray, settings);
         }
     }
+}
+
+/// The effects that a material calls for and that may be drawn.
+#[inline]
+pub(super) fn effects_of<M, G>(view: &View<'_, M, G>, settings: &Settings, id: MaterialId) -> Effects {
+    Effects::of(super::batch::material(view.palette, id)).intersection(settings.effects)
 }
 
 /// The ray behind a transparent surface that one along `dir` met, in front of which it is in `medium`, and in what it is then.

@@ -31,7 +31,7 @@ use crate::materials::Materials;
 use crate::normal::NormalKind;
 use crate::shade::Light;
 use crate::trace::{Arithmetic, Tracer};
-use follow::Follow;
+use follow::{Follow, GOES_ON};
 use frame::Frame;
 pub use frame::{MAX_SIDE, Pixel, RenderError, each_pixel};
 pub use sampling::{Samples, Supersample};
@@ -145,7 +145,7 @@ pub fn render_rows<M: Materials, G: Geometry>(
     let effects = settings.effects.intersection(Effects::needed(view.palette, view.lights));
     let settings = &Settings { effects, ..*settings };
     // Room for rays that go on is taken only where there are some.
-    if effects.intersects(Effects::MIRROR.union(Effects::TRANSPARENCY)) {
+    if effects.intersects(GOES_ON) {
         Ok(with_follow(&frame, view, settings, rows, out))
     } else {
         Ok(draw(&frame, Tile::new(view, settings, None), width, rows, out))

@@ -5,7 +5,7 @@
 //! brim, one pixel after the other; a pixel may go on in the next batch, as its mean does not depend on how it is summed.
 
 use super::batch::Batch;
-use super::follow::Follow;
+use super::follow::{Follow, GOES_ON, effects_of};
 use super::frame::Frame;
 use super::sampling::{Plan, Samples, Seen, Smooth, Supersample};
 use super::{Counters, Settings, View};
@@ -46,11 +46,7 @@ struct Pixel {
 
 impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
     /// Room for any tile of a picture; the effects are those that the scene calls for.
-    pub fn new(
-        view: &'a View<'a, M, G>,
-        settings: &'a Settings,
-        follow: Option<&'a mut Follow>,
-    ) -> Tile<'a, M, G> {
+    pub fn new(view: &'a View<'a, M, G>, settings: &'a Settings, follow: Option<&'a mut Follow>) -> Tile<'a, M, G> {
         let smooth = match settings.supersample {
             Supersample::Adaptive { degrees } => Some(Smooth::within(degrees)),
             _ => None,
@@ -129,7 +125,10 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
         batch.shade(view, settings, counters);
         if let Some(follow) = follow {
             for ((pixel, _, seen), color) in batch.shaded().zip(follow.colors(batch, view, settings, counters)) {
-                pixels[usize::from(pixel)].add(*color, Some(seen), smooth);
+                let pixel = &mut pixels[usize::from(pixel)];
+                pixel.add(*color, Some(seen), smooth);
+                // What is seen in a mirror and through glass may have edges.
+                pixel.plan.all |= smooth.is_some() && effects_of(view, settings, seen.material).intersects(GOES_ON);
             }
         } else {
             for (pixel, color, seen) in batch.shaded() {

@@ -201,7 +201,9 @@ fn measure(
     let size = args.size.unwrap_or(if args.quick { [320, 180] } else { [640, 360] });
     let subject = Subject { source, file, truth, build: &build, size, camera, lighting, repeat, slow_repeat };
     let found = measure::run(&subject, &settings, memory)?;
-    let view = [format!("--size {}x{}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lighting.typed()];
+    let shading = "--effects phong,+shadows";
+    let view =
+        [format!("--size {}x{} {shading}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lighting.typed()];
     let head = Head {
         scene: args.scene_name(),
         triangles: source.model.mesh().triangles.len(),
