@@ -78,13 +78,15 @@ pub(super) fn behind<M: Materials, G: Geometry>(
     let (mut last, mut gap) = (hit.voxel, None);
     for voxel in (Query { start: Some(hit.voxel), ..*ray }).voxels(geometry.depth()).skip(1) {
         let filled = geometry.contains(voxel);
-        let near = height(voxel).abs() <= most + SLACK;
+        let off = height(voxel).abs();
+        let near = off <= most + SLACK;
         if filled && materials.id(voxel) == id && (near || gap.is_none()) {
             (last, gap) = (voxel, None);
             continue;
         }
         gap = gap.or(Some(if filled { last } else { voxel }));
-        if filled || !near {
+        // From here the ray meets none that is near any more: it is in both voxels, and only goes down.
+        if filled || off > 2.0 * most + SLACK {
             break;
         }
     }
