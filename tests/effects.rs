@@ -1,5 +1,7 @@
 //! Laws of effects: which a scene calls for, that others cost nothing, and what mirrors and glass show, by hand.
 
+use std::collections::HashSet;
+
 use voxdag::camera::Camera;
 use voxdag::color::{Mean, quantize};
 use voxdag::effects::Effects;
@@ -389,10 +391,9 @@ fn a_slab_shifts_what_is_behind_it_as_snell_says() {
                 assert!(bent > 200 && straight > 20, "{bent} {straight}");
                 // Without the effect light goes straight on.
                 let off = Settings { effects: Effects::ALL.difference(Effects::REFRACTION), ..settings(normals) };
-                let plain =
-                    Scene { palette: scene.palette.clone(), words: scene.words.clone(), lights: vec![], ..scene };
-                let mut unbent = Scene { ..plain };
-                unbent.palette[64].refraction = 1.0;
+                let mut palette = scene.palette.clone();
+                palette[64].refraction = 1.0;
+                let unbent = Scene { palette, words: scene.words.clone(), lights: vec![], ..scene };
                 assert_eq!(scene.drawn(&off).0, unbent.drawn(&settings(normals)).0);
             }
         }
@@ -498,8 +499,11 @@ fn everything(rng: &mut Rng) -> Scene {
             illum,
         });
     }
-    let voxels: Vec<[u32; 3]> = (0..300).map(|_| [0; 3].map(|_| 8 + rng.below(40) as u32)).collect();
-    let is_filled = |v: [u32; 3]| v[1] == 4 || voxels.iter().any(|w| (0..3).all(|i| v[i].abs_diff(w[i]) < 2));
+    // Blocks of 3^3 voxels.
+    let blocks = (0..300).map(|_| [0; 3].map(|_| 7 + rng.below(40) as u32));
+    let voxels: HashSet<[u32; 3]> =
+        blocks.flat_map(|block| cube(3).map(move |v| [0, 1, 2].map(|i| block[i] + v[i]))).collect();
+    let is_filled = |v: [u32; 3]| v[1] == 4 || voxels.contains(&v);
     let id = |v: [u32; 3]| ((v[0] / 7 + v[1] / 5 + v[2] / 6) % 8) as MaterialId;
     let mut scene = Scene::new(is_filled, id, &palette, [[30.0, 45.0, 95.0], [28.0, 22.0, 28.0]]);
     let lamp = LightKind::Point(GRID.to_world([50.0, 60.0, 70.0]));
