@@ -33,6 +33,8 @@ pub(super) struct Batch {
     /// In the picture, and what the rays through them met.
     places: [[f64; 2]; SAMPLES],
     met: [Option<Hit>; SAMPLES],
+    /// Which of them are shaded.
+    kept: [u8; SAMPLES],
     // What is shaded.
     hits: [Hit; SAMPLES],
     dirs: [[f64; 3]; SAMPLES],
@@ -64,6 +66,7 @@ impl Batch {
             owners: [0; SAMPLES],
             places: [[0.0; 2]; SAMPLES],
             met: [None; SAMPLES],
+            kept: [0; SAMPLES],
             hits: [NO_HIT; SAMPLES],
             dirs: [[0.0; 3]; SAMPLES],
             points: [[0.0; 3]; SAMPLES],
@@ -117,7 +120,13 @@ impl Batch {
         let rays = frame.rays(&self.places[..self.count]);
         tracer.trace_tile(arithmetic, &rays, &mut self.met);
         let origin = rays.origin;
-        self.arrive(|batch, i| (origin, frame.rays(&batch.places).direction(batch.places[i])), keep);
+        self.keep(keep);
+        let rays = frame.rays(&self.places);
+        for (k, i) in self.kept[..self.count].iter().enumerate() {
+            let dir = rays.direction(self.places[usize::from(*i)]);
+            self.dirs[k] = dir;
+            self.points[k] = math::add_scaled(origin, dir, self.hits[k].t);
+        }
     }
 
     /// The same with the rays that were given; one that begins in a filled voxel goes on from there.
@@ -127,26 +136,25 @@ impl Batch {
         arithmetic: Arithmetic,
         keep: impl FnMut(u8, Option<&Hit>) -> bool,
     ) {
-        bend::trace(tracer, arithmetic, &self.rays[..self.count], &mut self.met);
-        self.arrive(|batch, i| (batch.rays[i].origin, batch.rays[i].dir), keep);
+        bend::trace_many(tracer, arithmetic, &self.rays[..self.count], &mut self.met);
+        self.keep(keep);
+        for (k, i) in self.kept[..self.count].iter().enumerate() {
+            let Query { origin, dir, .. } = self.rays[usize::from(*i)];
+            self.dirs[k] = dir;
+            self.points[k] = math::add_scaled(origin, dir, self.hits[k].t);
+        }
     }
 
-    /// Leaves the samples whose hits are kept; `ray` tells a sample's origin and direction.
+    /// Leaves the samples whose hits are kept, but for their directions and points.
     #[inline]
-    fn arrive(
-        &mut self,
-        ray: impl Fn(&Batch, usize) -> ([f64; 3], [f64; 3]),
-        mut keep: impl FnMut(u8, Option<&Hit>) -> bool,
-    ) {
+    fn keep(&mut self, mut keep: impl FnMut(u8, Option<&Hit>) -> bool) {
         let mut kept = 0;
         for i in 0..self.count {
             let (owner, met) = (self.owners[i], self.met[i]);
             if let (true, Some(hit)) = (keep(owner, met.as_ref()), met) {
-                let (origin, dir) = ray(self, i);
                 self.owners[kept] = owner;
                 self.hits[kept] = hit;
-                self.dirs[kept] = dir;
-                self.points[kept] = math::add_scaled(origin, dir, hit.t);
+                self.kept[kept] = i as u8;
                 kept += 1;
             }
         }
@@ -160,6 +168,9 @@ impl Batch {
         settings: &Settings,
         counters: &mut Counters,
     ) {
+        if self.count == 0 {
+            return;
+        }
         let hits = &self.hits[..self.count];
         for (id, hit) in self.materials.iter_mut().zip(hits) {
             *id = view.materials.id(hit.voxel);
@@ -174,12 +185,12 @@ impl Batch {
             }
             _ => normals.len() as u64,
         };
+        let glows = settings.effects.contains(Effects::EMISSION);
         for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
-            let look = Look::of(view.palette, *id, settings.effects);
-            *color = shade::glow(look.material(), settings.ambient);
-            if settings.effects.contains(Effects::EMISSION) {
-                *color = (Vec3::from(*color) + Vec3::from(look.material().emission)).to_array();
-            }
+            *color = looking(view.palette, *id, settings.effects, |material| {
+                let color = shade::glow(material, settings.ambient);
+                if glows { (Vec3::from(color) + Vec3::from(material.emission)).to_array() } else { color }
+            });
         }
         let shadows = settings.effects.contains(Effects::SHADOWS) && view.lights.iter().any(|light| light.shadow);
         if shadows || settings.effects.intersects(LEAVING) {
@@ -207,6 +218,9 @@ impl Batch {
                 self.waiting[waiting].0 = i as u8;
                 waiting += 1;
             }
+        }
+        if waiting == 0 {
+            return;
         }
         view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
         for ray in 0..waiting {
@@ -250,24 +264,25 @@ impl Batch {
             }
         }
 
+        if waiting == 0 {
+            return;
+        }
         view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
         let may_pass = settings.effects.contains(Effects::TRANSPARENCY);
         for ray in 0..waiting {
-            let mut light = *light;
-            if self.blocked[ray] {
-                if !may_pass {
-                    continue;
-                }
-                let share = follow::transmitted(view, settings, self.rays[ray]);
-                if share == [0.0; 3] {
-                    continue;
-                }
-                light.color = [0, 1, 2].map(|i| light.color[i] * share[i]);
-            }
+            let dimmed;
+            let light = if !self.blocked[ray] {
+                light
+            } else if may_pass && let Some(share) = follow::transmitted(view, settings, self.rays[ray]) {
+                dimmed = Light { color: [0, 1, 2].map(|i| light.color[i] * share[i]), ..*light };
+                &dimmed
+            } else {
+                continue;
+            };
             let (i, incidence) = self.waiting[ray];
             let i = usize::from(i);
             let surface = self.surface(i, &view.grid);
-            self.reflect(i, view.palette, settings.effects, &surface, &light, incidence, counters);
+            self.reflect(i, view.palette, settings.effects, &surface, light, incidence, counters);
         }
         counters.shadow += waiting as u64;
     }
@@ -296,16 +311,20 @@ impl Batch {
         incidence: Incidence,
         counters: &mut Counters,
     ) {
-        let look = Look::of(palette, self.materials[i], effects);
-        let mut color = shade::matte(self.colors[i], look.material(), light, incidence);
-        if effects.contains(Effects::SPECULAR)
-            && shade::has_highlight(look.material())
-            && let Some(brighter) = shade::highlight(color, look.material(), surface, light, incidence)
-        {
-            counters.highlights += 1;
-            color = brighter;
-        }
-        self.colors[i] = color;
+        let color = self.colors[i];
+        self.colors[i] = looking(palette, self.materials[i], effects, |material| {
+            let color = shade::matte(color, material, light, incidence);
+            if !(effects.contains(Effects::SPECULAR) && shade::has_highlight(material)) {
+                return color;
+            }
+            match shade::highlight(color, material, surface, light, incidence) {
+                Some(brighter) => {
+                    counters.highlights += 1;
+                    brighter
+                }
+                None => color,
+            }
+        });
     }
 
     /// The samples that were shaded, in the order in which they came: owner, linear colour, surface.
@@ -345,23 +364,19 @@ pub(super) struct Met<'a> {
     pub material: &'a Material,
 }
 
-/// A material as it is shaded: its own, or what is left of it where one sees through it.
-struct Look<'a> {
-    whole: &'a Material,
-    faded: Option<Material>,
-}
-
-impl<'a> Look<'a> {
-    #[inline]
-    fn of(palette: &'a [Material], id: MaterialId, effects: Effects) -> Look<'a> {
-        let whole = material(palette, id);
-        let clear = effects.contains(Effects::TRANSPARENCY) && Effects::of(whole).contains(Effects::TRANSPARENCY);
-        Look { whole, faded: clear.then(|| effects::faded(whole)) }
-    }
-
-    #[inline]
-    fn material(&self) -> &Material {
-        self.faded.as_ref().unwrap_or(self.whole)
+/// What `shade` makes of a material: of all of it, or of what is left of it where one sees through it.
+#[inline]
+fn looking(
+    palette: &[Material],
+    id: MaterialId,
+    effects: Effects,
+    shade: impl FnOnce(&Material) -> [f32; 3],
+) -> [f32; 3] {
+    let material = material(palette, id);
+    if effects.contains(Effects::TRANSPARENCY) && Effects::of(material).contains(Effects::TRANSPARENCY) {
+        shade(&effects::faded(material))
+    } else {
+        shade(material)
     }
 }
 

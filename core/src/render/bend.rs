@@ -103,20 +103,27 @@ pub(super) fn entry(ray: &Query, voxel: Morton) -> [f64; 3] {
     math::add_scaled(ray.origin, ray.dir, times[0].max(times[1]).max(times[2]))
 }
 
-/// What rays meet that go on from surfaces: `met[i]` becomes the answer to `rays[i]`. One that starts in a filled voxel
-/// leaves that out.
-pub(super) fn trace<G: Geometry>(
+/// What a ray meets that goes on from a surface. One that starts in a filled voxel leaves that out.
+pub(super) fn trace<G: Geometry>(tracer: &Tracer<'_, G>, arithmetic: Arithmetic, ray: &Query) -> Option<Hit> {
+    left(tracer, ray, tracer.trace(arithmetic, ray))
+}
+
+/// The same of many rays.
+pub(super) fn trace_many<G: Geometry>(
     tracer: &Tracer<'_, G>,
     arithmetic: Arithmetic,
     rays: &[Query],
     met: &mut [Option<Hit>],
 ) {
     tracer.trace_many(arithmetic, rays, met);
-    for (ray, met) in rays.iter().zip(met) {
-        if ray.start.is_some() && met.is_some_and(|hit| hit.face == Face::Inside) {
-            *met = tracer.hits(ray).nth(1);
-        }
-    }
+    rays.iter().zip(met).for_each(|(ray, met)| *met = left(tracer, ray, *met));
+}
+
+/// What a ray meets without the voxel that it starts in.
+#[inline]
+fn left<G: Geometry>(tracer: &Tracer<'_, G>, ray: &Query, met: Option<Hit>) -> Option<Hit> {
+    let starts_inside = ray.start.is_some() && met.is_some_and(|hit| hit.face == Face::Inside);
+    if starts_inside { tracer.hits(ray).nth(1) } else { met }
 }
 
 #[cfg(test)]

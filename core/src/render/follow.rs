@@ -18,7 +18,7 @@ use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
 use crate::normal;
-use crate::trace::{Face, Hit, Query};
+use crate::trace::{Face, Query};
 
 /// What sends rays on.
 pub(super) const GOES_ON: Effects = Effects::MIRROR.union(Effects::TRANSPARENCY);
@@ -229,34 +229,31 @@ fn through<M: Materials, G: Geometry>(
     }
 }
 
-/// The share of a light, per channel, that comes along a shadow ray through transparent surfaces: straight, whatever their
-/// Ni.
+/// The share of a light, per channel, that comes along a shadow ray through transparent surfaces, straight, whatever their
+/// Ni; `None` if nothing does.
 pub(super) fn transmitted<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,
     mut ray: Query,
-) -> [f32; 3] {
-    const NOTHING: [f32; 3] = [0.0; 3];
+) -> Option<[f32; 3]> {
     let mut share = [1.0; 3];
     for _ in 0..DEPTH {
-        let mut met: [Option<Hit>; 1] = [None];
-        bend::trace(&view.tracer, settings.arithmetic, &[ray], &mut met);
-        let Some(hit) = met[0] else { return share };
+        let Some(hit) = bend::trace(&view.tracer, settings.arithmetic, &ray) else { return Some(share) };
         let id = view.materials.id(hit.voxel);
         let material = super::batch::material(view.palette, id);
         if !Effects::of(material).contains(Effects::TRANSPARENCY) {
-            return NOTHING;
+            return None;
         }
         let through = effects::through(material);
         share = [0, 1, 2].map(|i| share[i] * through[i]);
         if share.iter().all(|x| *x < LEAST) {
-            return NOTHING;
+            return None;
         }
         let n = normal::normal(&view.tracer, view.materials, &hit, ray.dir, settings.normals).direction.map(f64::from);
-        match bend::behind(&view.tracer, &view.materials, (&hit, id, n), &ray) {
-            Some(Behind { start, .. }) => ray.start = Some(start),
-            None => return share,
-        }
+        let Some(Behind { start, .. }) = bend::behind(&view.tracer, &view.materials, (&hit, id, n), &ray) else {
+            return Some(share);
+        };
+        ray.start = Some(start);
     }
-    NOTHING
+    None
 }
