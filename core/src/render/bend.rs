@@ -134,18 +134,18 @@ mod tests {
     fn rays_obey_snell_and_come_back_the_way_they_went() {
         let n = [0.0, 1.0, 0.0];
         let down = [0.6, -0.8, 0.0];
-        assert_eq!(reflected(down, n), [0.6, 0.8, 0.0]);
+        let is = |a: [f64; 3], b: [f64; 3]| (0..3).all(|i| (a[i] - b[i]).abs() < 1e-15);
+        assert!(is(reflected(down, n), [0.6, 0.8, 0.0]));
         // Into glass of 1.5 the sine shrinks from 0.6 to 0.4, and grows again on the way out.
         let inside = refracted(down, n, 1.0 / 1.5).unwrap();
-        assert!((inside[0] - 0.4).abs() < 1e-15 && (inside[1] + (1.0f64 - 0.16).sqrt()).abs() < 1e-15);
-        let out = refracted(inside, n, 1.5).unwrap();
-        assert!((0..3).all(|i| (out[i] - down[i]).abs() < 1e-15));
-        assert_eq!(refracted(down, n, 1.0), Some(down));
+        assert!(is(inside, [0.4, -math::sqrt(1.0 - 0.16), 0.0]));
+        assert!(is(refracted(inside, n, 1.5).unwrap(), down));
+        assert!(is(refracted(down, n, 1.0).unwrap(), down));
         // 0.6 times 1.7 is above 1.
         assert_eq!(refracted(down, n, 1.7), None);
         assert_eq!(refracted(down, n, f64::INFINITY), None);
         // Normals that lean away.
-        assert_eq!(reflected(down, [0.0, -1.0, 0.0]), [0.6, 0.0, 0.0]);
+        assert!(is(reflected(down, [0.0, -1.0, 0.0]), [0.6, 0.0, 0.0]));
         assert_eq!(refracted(down, [0.0, -1.0, 0.0], 0.5), Some(down));
     }
 }
