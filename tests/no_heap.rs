@@ -18,6 +18,10 @@ use voxdag::wide::WideBuf;
 use voxdag::{Dag, Geometry, Grid, Material, Materials, Mesh, Morton, Ssvdag};
 use voxdag_oracle::scenes::{self, Implicit};
 
+/// Calls for every effect.
+const GLASS: Material =
+    Material { specular: [0.3; 3], emission: [0.1; 3], opacity: 0.3, refraction: 1.5, illum: 7, ..Material::GREY };
+
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;
 
@@ -84,9 +88,9 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         let scene = file::read(&words).unwrap();
         let camera = Camera::framing(&scene.bounds, scene.up);
         let lights = [Light { shadow: true, ..camera.headlight(scene.bounds.radius()) }];
-        for tracer in [Tracer::new(scene.geometry), Tracer::with_top(scene.geometry, top.as_top()).unwrap()] {
-            let view =
-                View { tracer, materials: scene.materials, palette: &[Material::GREY], grid, camera, lights: &lights };
+        let with_top = Tracer::with_top(scene.geometry, top.as_top()).unwrap();
+        for (tracer, palette) in [(Tracer::new(scene.geometry), [Material::GREY]), (with_top, [GLASS])] {
+            let view = View { tracer, materials: scene.materials, palette: &palette, grid, camera, lights: &lights };
             for normals in [NormalKind::Stored, NormalKind::Plane2] {
                 let near = Supersample::near(scene.geometry, &camera, 0.5);
                 for supersample in [Supersample::All, near, Supersample::Adaptive { degrees: 2.0 }] {

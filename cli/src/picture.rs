@@ -8,6 +8,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
+use voxdag::effects::Effects;
 use voxdag::file::Scene;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::layout::AnyGeometry;
@@ -15,7 +16,7 @@ use voxdag::lod::Lod;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
-use voxdag::shade::{Light, has_highlight};
+use voxdag::shade::Light;
 use voxdag::trace::Query;
 use voxdag::{Grid, Material};
 
@@ -41,8 +42,8 @@ pub struct Picture {
     pub hits: u64,
     /// Share of the pixels that took all samples, where these are more than one.
     pub supersampled: f64,
-    /// Names of what the scene called for.
-    pub effects: Vec<&'static str>,
+    /// What the scene called for and the flags allow.
+    pub effects: Effects,
     /// Making what rays go through: the level of detail, trees.
     pub derive: Duration,
     /// Following rays and shading.
@@ -133,16 +134,14 @@ impl Prepared {
         // Once as pixels and once as bytes for the encoder.
         let mut pixels = room(args.size, 8, &memory.with(self.bytes()))?;
         let begin = Instant::now();
-        let (counters, samples, lights, start) = self.with_rows(scene, args, mark, |rows, settings, lights| {
-            let start = Instant::now();
-            let counters = in_bands("drawing", args.size, &mut pixels, rows)?;
-            Ok((counters, settings.samples.count(), lights.to_vec(), start))
-        })?;
+        let (counters, samples, effects, lights, start) =
+            self.with_rows(scene, args, mark, |rows, settings, lights| {
+                let start = Instant::now();
+                let counters = in_bands("drawing", args.size, &mut pixels, rows)?;
+                Ok((counters, settings.samples.count(), settings.effects, lights.to_vec(), start))
+            })?;
         let trace = start.elapsed();
-        let effects = [
-            ("highlights", !lights.is_empty() && scene.palette.iter().any(has_highlight)),
-            ("shadows", lights.iter().any(|light| light.shadow)),
-        ];
+        let effects = effects.intersection(Effects::needed(&scene.palette, &lights));
         Ok(Picture {
             width,
             height,
@@ -151,7 +150,7 @@ impl Prepared {
             rays: Rays::of(&counters),
             hits: counters.hits,
             supersampled: counters.supersampled as f64 / (f64::from(width) * f64::from(height)),
-            effects: effects.iter().filter(|effect| effect.1).map(|effect| effect.0).collect(),
+            effects,
             derive: self.time + (start - begin),
             trace,
         })
@@ -279,6 +278,7 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         arithmetic: args.arithmetic.kind(),
         ambient: args.lighting.ambient(),
         background: args.lighting.background(),
+        effects: args.effects,
         ..Settings::default()
     })
 }

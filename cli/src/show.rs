@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use clap::ValueEnum;
 use serde::Serialize;
+use voxdag::effects::Effects;
 use voxdag::geometry::Geometry;
 use voxdag::layout::AnyGeometry;
 use voxdag::material::MaterialId;
@@ -105,7 +106,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
         rays,
         hits,
         supersampled: 0.0,
-        effects: Vec::new(),
+        effects: Effects::NONE,
         derive: Duration::ZERO,
         trace,
     };

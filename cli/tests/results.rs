@@ -173,6 +173,30 @@ fn shadows_fall_where_a_light_is_hidden() {
 }
 
 #[test]
+fn effects_are_those_that_are_called_for_and_allowed() {
+    let s = Sandbox::new();
+    s.write("box.mtl", "newmtl red\nKd 0.8 0.1 0.1\nKs 0.3 0.3 0.3\nillum 3\nnewmtl blue\nKd 0.1 0.1 0.8\nd 0.5\n");
+    s.ok("build box.obj -o box.vxd -r 64");
+    let render = |flags: &str| {
+        let json = s.ok(&format!("render box.vxd -o box.png --size 40x30 --json {flags}")).json();
+        let names: Vec<_> = json["effects"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+        (names.join(" "), json["rays"]["secondary"].as_u64().unwrap(), s.read("box.png"))
+    };
+    let all = render("");
+    assert_eq!(all.0, "specular mirror transparency");
+    assert!(all.1 > 0);
+    assert_eq!(render("--effects all"), all);
+    assert_eq!(render("--effects=-emission,-shadows"), all);
+    assert_eq!(render("--effects phong,+mirror,+transparency"), all);
+    let phong = render("--effects phong");
+    assert_eq!((&*phong.0, phong.1), ("specular", 0));
+    assert_ne!(phong.2, all.2);
+    let opaque = render("--effects -transparency --shadows");
+    assert_eq!(opaque.0, "specular shadows mirror");
+    assert!(opaque.1 > 0 && opaque.1 < all.1);
+}
+
+#[test]
 fn supersampled_pixels_are_those_of_the_picture_with_all_samples() {
     let s = Sandbox::new();
     s.ok("build box.obj -o box.vxd -r 64");

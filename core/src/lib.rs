@@ -88,6 +88,8 @@ pub mod normal;
 
 pub mod shade;
 
+pub mod effects;
+
 pub mod camera;
 
 pub mod render;

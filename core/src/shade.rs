@@ -3,8 +3,8 @@
 //! In: a material, a unit normal, the point, the way to the viewer, lights. Out: linear red, green, blue, unclamped:
 //! `Ia Ka + sum over lights (Id Kd (L.N) + Is Ks (V.R)^alpha)` with Id = Is = the light's colour. Differs from the
 //! thesis: no highlight from behind (`L.N <= 0`) or off the mirror direction (`V.R <= 0`); a light at the very point
-//! gives nothing. Ke and reflections are effects of their own and not part of this equation. Nor is what stands in the way
-//! of a light: a renderer that casts shadows adds, one by one, the lights that it finds to reach the surface.
+//! gives nothing. Ke and reflections are effects of their own ([`crate::effects`]) and not part of this equation. Nor is what
+//! stands in the way of a light: a renderer that casts shadows adds, one by one, the lights that it finds to reach the surface.
 //!
 //! Every term is skipped, not multiplied by 0, where it does not apply: a material without a highlight raises no power.
 
@@ -90,20 +90,35 @@ pub fn reflect(
     material: &Material,
     surface: &Surface,
     light: &Light,
-    Incidence { direction, cosine }: Incidence,
+    incidence: Incidence,
 ) -> [f32; 3] {
+    let color = matte(color, material, light, incidence);
+    if has_highlight(material) { highlight(color, material, surface, light, incidence).unwrap_or(color) } else { color }
+}
+
+/// `color`, and what a matte surface sends everywhere of a light that falls on it.
+#[inline]
+pub(crate) fn matte(color: [f32; 3], material: &Material, light: &Light, incidence: Incidence) -> [f32; 3] {
     // The weight goes first: what vanishes stays 0 however strong the light.
-    let strength = Vec3::from(light.color);
-    let mut color = Vec3::from(color) + Vec3::from(material.diffuse) * cosine * strength;
-    if has_highlight(material) {
-        // V.R with R = 2 (L.N) N - L.
-        let view = Vec3::from(surface.view);
-        let mirrored = 2.0 * cosine * view.dot(Vec3::from(surface.normal)) - view.dot(Vec3::from(direction));
-        if mirrored > 0.0 {
-            color += Vec3::from(material.specular) * power(mirrored, material.shininess) * strength;
-        }
-    }
-    color.to_array()
+    (Vec3::from(color) + Vec3::from(material.diffuse) * incidence.cosine * Vec3::from(light.color)).to_array()
+}
+
+/// `color`, and the highlight of a light on a surface whose material has one; `None` off the mirror direction.
+#[inline]
+pub(crate) fn highlight(
+    color: [f32; 3],
+    material: &Material,
+    surface: &Surface,
+    light: &Light,
+    Incidence { direction, cosine }: Incidence,
+) -> Option<[f32; 3]> {
+    // V.R with R = 2 (L.N) N - L.
+    let view = Vec3::from(surface.view);
+    let mirrored = 2.0 * cosine * view.dot(Vec3::from(surface.normal)) - view.dot(Vec3::from(direction));
+    (mirrored > 0.0).then(|| {
+        let share = Vec3::from(material.specular) * power(mirrored, material.shininess);
+        (Vec3::from(color) + share * Vec3::from(light.color)).to_array()
+    })
 }
 
 /// Whether a material has a highlight at all: illumination model 2 or above, and a Ks that is not 0.

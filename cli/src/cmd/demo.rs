@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use voxdag::demo;
+use voxdag::effects::Effects;
 use voxdag::shade::LightKind;
 
 use crate::error::{Error, Result};
@@ -133,6 +134,7 @@ pub fn view() -> PictureArgs {
         samples: None,
         supersample: None,
         arithmetic: ArithmeticArg::default(),
+        effects: Effects::ALL,
         lod: 0,
     }
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use voxdag::effects::Effects;
 use voxdag::geometry::Geometry;
 
 use crate::budget::{self, Calibration, Goal, Range};
@@ -103,7 +104,7 @@ struct Report<'a> {
     hits: u64,
     ms: Ms,
     /// What the scene called for.
-    effects: &'a [&'static str],
+    effects: Vec<&'static str>,
     /// The numbers behind the colours of `--show depth`, `level` and `iterations`; of frames, each has its own.
     shown: Option<Spread>,
     /// With `--frames`.
@@ -160,7 +161,7 @@ struct Drawn {
     #[serde(skip)]
     samples: u32,
     #[serde(skip)]
-    effects: Vec<&'static str>,
+    effects: Effects,
 }
 
 /// Runs the command.
@@ -216,7 +217,7 @@ pub fn run(args: &Args) -> Result<()> {
             trace: drawn.iter().map(|drawn| drawn.trace_ms).sum(),
             total: ms(start.elapsed()),
         },
-        effects: &first.effects,
+        effects: first.effects.names().collect(),
         shown: first.shown.filter(|_| args.frames.is_none()),
         frames: args.frames.is_some().then_some(&drawn),
         show: args.show,
@@ -337,7 +338,7 @@ fn choose(
 }
 
 /// The report for people.
-fn lines(report: &Report<'_>) -> Lines {
+fn lines(report: &Report) -> Lines {
     let mut lines = Lines::default();
     let effects = if report.effects.is_empty() { "none".to_owned() } else { report.effects.join(", ") };
     let pixels = match report.supersample.as_str() {

@@ -4,13 +4,16 @@ use std::fmt;
 
 use clap::{Args, ValueEnum};
 use voxdag::camera::Camera;
+use voxdag::effects::Effects;
 use voxdag::geometry::Geometry;
 use voxdag::normal::NormalKind;
 use voxdag::render::{Samples, Settings, Supersample};
 use voxdag::shade::LightKind;
 use voxdag::trace::Arithmetic;
 
-use super::values::{colour, direction, field_of_view, light, picture_size, samples, sun, supersample, triple};
+use super::values::{
+    colour, direction, effects, field_of_view, light, picture_size, samples, sun, supersample, triple,
+};
 use crate::error::Error;
 use crate::report::number;
 
@@ -129,6 +132,16 @@ pub struct PictureArgs {
     /// How rays are followed
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
+
+    /// Effects to draw, of those that materials and lights call for: auto, phong, or such as -mirror,-shadows [default: auto]
+    ///
+    /// auto, all: all of them
+    /// phong:     highlights alone, as in Pineda's thesis
+    /// -NAME and +NAME take from auto, or after `phong,` add to it: specular, shadows, mirror, transparency, refraction,
+    /// emission
+    #[arg(long, value_name = "SET", default_value = "auto", hide_default_value = true, value_parser = effects)]
+    #[arg(verbatim_doc_comment, allow_hyphen_values = true)]
+    pub effects: Effects,
 
     /// Level of detail: voxels 2^L times as large, of which one is filled if anything in it is
     #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=20))]

@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
+use voxdag::effects::Effects;
 use voxdag::render::Samples;
 use voxdag::shade::LightKind;
 
@@ -167,6 +168,30 @@ pub fn frames(text: &str) -> Result<RangeInclusive<u32>, String> {
     }
 }
 
+/// Reads a set of effects: one by name, then changes to it; without a name changes to all.
+pub fn effects(text: &str) -> Result<Effects, String> {
+    let (first, changes) = text.split_once(',').unwrap_or((text, ""));
+    let (set, changes) = match first {
+        "auto" | "all" => (Effects::ALL, changes),
+        "phong" => (Effects::PHONG, changes),
+        _ => (Effects::ALL, text),
+    };
+    let change = |set: Effects, change: &str| {
+        let effect = Effects::named(change.get(1..)?)?;
+        match change.as_bytes()[0] {
+            b'+' => Some(set.union(effect)),
+            b'-' => Some(set.difference(effect)),
+            _ => None,
+        }
+    };
+    let named_alone = changes.is_empty() && changes.len() != text.len() && !text.ends_with(',');
+    let changed = if named_alone { Some(set) } else { changes.split(',').try_fold(set, change) };
+    changed.ok_or_else(|| {
+        let names: Vec<_> = Effects::ALL.names().collect();
+        format!("expected auto, phong or all, or +NAME and -NAME by commas, with the names {}", names.join(", "))
+    })
+}
+
 /// Largest side of a picture: PNG readers and graphics cards stop there.
 const MAX_SIDE: u32 = 32768;
 
@@ -268,6 +293,28 @@ mod tests {
         assert_eq!((frames("1-48"), frames("7")), (Ok(1..=48), Ok(7..=7)));
         for wrong in ["", "-", "1-", "-3", "0-3", "3-1", "1-10000", "1-2-3", "a"] {
             assert!(frames(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn sets_of_effects() {
+        let (all, phong, mirror) = (Effects::ALL, Effects::PHONG, Effects::MIRROR);
+        for (text, set) in [
+            ("auto", all),
+            ("all", all),
+            ("phong", phong),
+            ("phong,+mirror", phong.union(mirror)),
+            ("-mirror", all.difference(mirror)),
+            ("-mirror,-specular,+mirror", all.difference(phong)),
+            ("auto,-emission", all.difference(Effects::EMISSION)),
+            ("+mirror", all),
+        ] {
+            assert_eq!(effects(text), Ok(set), "{text}");
+        }
+        for wrong in
+            ["", ",", "auto,", "none", "mirror", "phong,mirror", "-", "+phong", "-mirror,auto", "-mirror,", "\u{e9}"]
+        {
+            assert!(effects(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -3,18 +3,22 @@
 //! In: places in the picture, each of a pixel of a tile. Out: of those that are to be shaded the colour, and which surface
 //! it is of. First all rays, then all materials, all normals, where shadow rays start, and light by light the shadow rays
 //! of the surfaces that face it, and its light: the tracer and the normals get all they need at once, whatever pixels it is
-//! for. Entry `i` of every array is of one sample; what is not shaded leaves no gap.
+//! for. Entry `i` of every array is of one sample; what is not shaded leaves no gap. Rays that go on from a surface
+//! ([`super::follow`]) are samples, too.
+
+use glam::Vec3;
 
 use super::frame::Frame;
 use super::sampling::Seen;
-use super::{Settings, View, shadow};
+use super::{Counters, Settings, View, bend, follow, shadow};
+use crate::effects::{self, Effects};
 use crate::geometry::Geometry;
 use crate::grid::Grid;
 use crate::material::{Material, MaterialId};
 use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
-use crate::normal::{self, Confidence, Normal};
+use crate::normal::{self, Confidence, Normal, NormalKind};
 use crate::shade::{self, Incidence, Light, LightKind, Surface};
 use crate::trace::{Arithmetic, Face, Hit, Query, Tracer};
 
@@ -24,10 +28,13 @@ pub(super) const SAMPLES: usize = 256;
 /// Room for samples, and for what becomes of them.
 pub(super) struct Batch {
     count: usize,
-    pixels: [u8; SAMPLES],
+    /// Whose samples they are: pixels of a tile, or whatever rays were given for.
+    owners: [u8; SAMPLES],
     /// In the picture, and what the rays through them met.
     places: [[f64; 2]; SAMPLES],
     met: [Option<Hit>; SAMPLES],
+    /// Which of them are shaded.
+    kept: [u8; SAMPLES],
     // What is shaded.
     hits: [Hit; SAMPLES],
     dirs: [[f64; 3]; SAMPLES],
@@ -44,6 +51,9 @@ pub(super) struct Batch {
     waiting: [(u8, Incidence); SAMPLES],
 }
 
+/// What sends rays back; refraction does so where nothing gets through.
+const LEAVING: Effects = Effects::MIRROR.union(Effects::REFRACTION);
+
 const NO_RAY: Query = Query { origin: [0.0; 3], dir: [0.0; 3], t_min: 0.0, t_max: 0.0, min_level: 0, start: None };
 const NO_HIT: Hit = Hit { voxel: Morton(0), from: None, t: 0.0, level: 0, face: Face::Inside };
 const NO_NORMAL: Normal = Normal { direction: [0.0; 3], confidence: Confidence::Face };
@@ -53,9 +63,10 @@ impl Batch {
     pub fn new() -> Batch {
         Batch {
             count: 0,
-            pixels: [0; SAMPLES],
+            owners: [0; SAMPLES],
             places: [[0.0; 2]; SAMPLES],
             met: [None; SAMPLES],
+            kept: [0; SAMPLES],
             hits: [NO_HIT; SAMPLES],
             dirs: [[0.0; 3]; SAMPLES],
             points: [[0.0; 3]; SAMPLES],
@@ -72,8 +83,16 @@ impl Batch {
     /// Adds a sample at a place of the picture; the batch must not be full.
     #[inline]
     pub fn push(&mut self, pixel: u8, place: [f64; 2]) {
-        self.pixels[self.count] = pixel;
+        self.owners[self.count] = pixel;
         self.places[self.count] = place;
+        self.count += 1;
+    }
+
+    /// Adds a ray, its direction of unit length; the batch must not be full, nor hold places.
+    #[inline]
+    pub fn push_ray(&mut self, owner: u8, ray: Query) {
+        self.owners[self.count] = owner;
+        self.rays[self.count] = ray;
         self.count += 1;
     }
 
@@ -89,53 +108,106 @@ impl Batch {
         self.count = 0;
     }
 
-    /// Follows all rays and leaves the samples that are to be shaded: hits that `keep` wants, which is asked of every sample
-    /// by its pixel and what it met.
+    /// Follows the rays through all places and leaves the samples that are to be shaded: hits that `keep` wants, which is
+    /// asked of every sample by its pixel and what it met.
     pub fn trace<G: Geometry>(
         &mut self,
         tracer: &Tracer<'_, G>,
         arithmetic: Arithmetic,
         frame: &Frame,
-        mut keep: impl FnMut(u8, Option<&Hit>) -> bool,
+        keep: impl FnMut(u8, Option<&Hit>) -> bool,
     ) {
         let rays = frame.rays(&self.places[..self.count]);
         tracer.trace_tile(arithmetic, &rays, &mut self.met);
+        let origin = rays.origin;
+        self.keep(keep);
+        let rays = frame.rays(&self.places);
+        for (k, i) in self.kept[..self.count].iter().enumerate() {
+            let dir = rays.direction(self.places[usize::from(*i)]);
+            self.dirs[k] = dir;
+            self.points[k] = math::add_scaled(origin, dir, self.hits[k].t);
+        }
+    }
+
+    /// The same with the rays that were given; one that begins in a filled voxel goes on from there.
+    pub fn trace_rays<G: Geometry>(
+        &mut self,
+        tracer: &Tracer<'_, G>,
+        arithmetic: Arithmetic,
+        keep: impl FnMut(u8, Option<&Hit>) -> bool,
+    ) {
+        bend::trace_many(tracer, arithmetic, &self.rays[..self.count], &mut self.met);
+        self.keep(keep);
+        for (k, i) in self.kept[..self.count].iter().enumerate() {
+            let Query { origin, dir, .. } = self.rays[usize::from(*i)];
+            self.dirs[k] = dir;
+            self.points[k] = math::add_scaled(origin, dir, self.hits[k].t);
+        }
+    }
+
+    /// Leaves the samples whose hits are kept, but for their directions and points.
+    #[inline]
+    fn keep(&mut self, mut keep: impl FnMut(u8, Option<&Hit>) -> bool) {
         let mut kept = 0;
         for i in 0..self.count {
-            let (pixel, met) = (self.pixels[i], self.met[i]);
-            if let (true, Some(hit)) = (keep(pixel, met.as_ref()), met) {
-                let dir = rays.direction(self.places[i]);
-                self.pixels[kept] = pixel;
+            let (owner, met) = (self.owners[i], self.met[i]);
+            if let (true, Some(hit)) = (keep(owner, met.as_ref()), met) {
+                self.owners[kept] = owner;
                 self.hits[kept] = hit;
-                self.dirs[kept] = dir;
-                self.points[kept] = math::add_scaled(rays.origin, dir, hit.t);
+                self.kept[kept] = i as u8;
                 kept += 1;
             }
         }
         self.count = kept;
     }
 
-    /// Works out what all samples send back along their rays. Returns how many shadow rays that took.
-    pub fn shade<M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, settings: &Settings) -> u64 {
+    /// Works out what all samples send back along their rays, but what comes from other surfaces.
+    pub fn shade<M: Materials, G: Geometry>(
+        &mut self,
+        view: &View<'_, M, G>,
+        settings: &Settings,
+        counters: &mut Counters,
+    ) {
+        if self.count == 0 {
+            return;
+        }
         let hits = &self.hits[..self.count];
         for (id, hit) in self.materials.iter_mut().zip(hits) {
             *id = view.materials.id(hit.voxel);
         }
         let level = view.tracer.level();
         normal::normals(level, &view.tracer, view.materials, hits, &self.dirs, settings.normals, &mut self.normals);
+        let normals = &self.normals[..self.count];
+        counters.normals += match settings.normals {
+            NormalKind::Face => 0,
+            NormalKind::Stored => {
+                normals.iter().filter(|normal| normal.confidence != Confidence::Stored).count() as u64
+            }
+            _ => normals.len() as u64,
+        };
+        let glows = settings.effects.contains(Effects::EMISSION);
         for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
-            *color = shade::glow(material(view.palette, *id), settings.ambient);
+            *color = looking(view.palette, *id, settings.effects, |material| {
+                let color = shade::glow(material, settings.ambient);
+                if glows { (Vec3::from(color) + Vec3::from(material.emission)).to_array() } else { color }
+            });
         }
-        if view.lights.iter().any(|light| light.shadow) {
-            self.rise(&view.tracer, settings.arithmetic);
+        let shadows = settings.effects.contains(Effects::SHADOWS) && view.lights.iter().any(|light| light.shadow);
+        if shadows || settings.effects.intersects(LEAVING) {
+            self.rise(view, settings, shadows);
         }
-        view.lights.iter().map(|light| self.light(view, settings.arithmetic, light)).sum()
+        for light in view.lights {
+            self.light(view, settings, light, counters);
+        }
     }
 
-    /// Finds out from where the samples' shadow rays start.
-    fn rise<G: Geometry>(&mut self, tracer: &Tracer<'_, G>, arithmetic: Arithmetic) {
+    /// Finds out from where rays leave the samples' surfaces: of all, or only of those that may send rays back.
+    fn rise<M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, settings: &Settings, all: bool) {
         let mut waiting = 0;
         for i in 0..self.count {
+            if !(all || Effects::of(material(view.palette, self.materials[i])).intersects(LEAVING)) {
+                continue;
+            }
             let (hit, point) = (&self.hits[i], self.points[i]);
             let above = shadow::above(hit, point, &self.normals[i]);
             let way = above.and_then(|above| shadow::from_hit(hit, point, &LightKind::Point(above)));
@@ -147,7 +219,10 @@ impl Batch {
                 waiting += 1;
             }
         }
-        tracer.occluded_many(arithmetic, &self.rays[..waiting], &mut self.blocked);
+        if waiting == 0 {
+            return;
+        }
+        view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
         for ray in 0..waiting {
             self.above[usize::from(self.waiting[ray].0)] = !self.blocked[ray];
         }
@@ -163,41 +238,53 @@ impl Batch {
         }
     }
 
-    /// Adds a light to the colour of the samples that it reaches. Returns the number of its shadow rays.
+    /// Adds a light to the colour of the samples that it reaches.
     fn light<M: Materials, G: Geometry>(
         &mut self,
         view: &View<'_, M, G>,
-        arithmetic: Arithmetic,
+        settings: &Settings,
         light: &Light,
-    ) -> u64 {
+        counters: &mut Counters,
+    ) {
         let in_grid = match light.kind {
             LightKind::Point(position) => LightKind::Point(view.grid.to_grid(position)),
             sun => sun,
         };
+        let casts_shadows = light.shadow && settings.effects.contains(Effects::SHADOWS);
         let mut waiting = 0;
         for i in 0..self.count {
             let surface = self.surface(i, &view.grid);
             let Some(incidence) = light.falls_on(&surface) else { continue };
-            if light.shadow
-                && let Some(ray) = self.shadow(i, &in_grid)
-            {
+            if casts_shadows && let Some(ray) = self.shadow(i, &in_grid) {
                 self.rays[waiting] = ray;
                 self.waiting[waiting] = (i as u8, incidence);
                 waiting += 1;
             } else {
-                self.reflect(i, view.palette, &surface, light, incidence);
+                self.reflect(i, view.palette, settings.effects, &surface, light, incidence, counters);
             }
         }
 
-        view.tracer.occluded_many(arithmetic, &self.rays[..waiting], &mut self.blocked);
-        for ray in 0..waiting {
-            if !self.blocked[ray] {
-                let (i, incidence) = self.waiting[ray];
-                let i = usize::from(i);
-                self.reflect(i, view.palette, &self.surface(i, &view.grid), light, incidence);
-            }
+        if waiting == 0 {
+            return;
         }
-        waiting as u64
+        view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
+        let may_pass = settings.effects.contains(Effects::TRANSPARENCY);
+        for ray in 0..waiting {
+            let dimmed;
+            let light = if !self.blocked[ray] {
+                light
+            } else if may_pass && let Some(share) = follow::transmitted(view, settings, self.rays[ray]) {
+                dimmed = Light { color: [0, 1, 2].map(|i| light.color[i] * share[i]), ..*light };
+                &dimmed
+            } else {
+                continue;
+            };
+            let (i, incidence) = self.waiting[ray];
+            let i = usize::from(i);
+            let surface = self.surface(i, &view.grid);
+            self.reflect(i, view.palette, settings.effects, &surface, light, incidence, counters);
+        }
+        counters.shadow += waiting as u64;
     }
 
     /// What is lit of a sample.
@@ -212,23 +299,89 @@ impl Batch {
     }
 
     /// Adds to a sample's colour what it sends back of a light that reaches it.
+    #[expect(clippy::too_many_arguments, reason = "what a picture shares, and what a sample and a light do")]
     #[inline]
-    fn reflect(&mut self, i: usize, palette: &[Material], surface: &Surface, light: &Light, incidence: Incidence) {
-        let material = material(palette, self.materials[i]);
-        self.colors[i] = shade::reflect(self.colors[i], material, surface, light, incidence);
+    fn reflect(
+        &mut self,
+        i: usize,
+        palette: &[Material],
+        effects: Effects,
+        surface: &Surface,
+        light: &Light,
+        incidence: Incidence,
+        counters: &mut Counters,
+    ) {
+        let color = self.colors[i];
+        self.colors[i] = looking(palette, self.materials[i], effects, |material| {
+            let color = shade::matte(color, material, light, incidence);
+            if !(effects.contains(Effects::SPECULAR) && shade::has_highlight(material)) {
+                return color;
+            }
+            match shade::highlight(color, material, surface, light, incidence) {
+                Some(brighter) => {
+                    counters.highlights += 1;
+                    brighter
+                }
+                None => color,
+            }
+        });
     }
 
-    /// The samples that were shaded, in the order in which they came: pixel, linear colour, surface.
+    /// The samples that were shaded, in the order in which they came: owner, linear colour, surface.
     pub fn shaded(&self) -> impl Iterator<Item = (u8, [f32; 3], Seen)> {
         (0..self.count).map(|i| {
             let (material, normal) = (self.materials[i], self.normals[i].direction);
-            (self.pixels[i], self.colors[i], Seen { voxel: self.hits[i].voxel, material, normal })
+            (self.owners[i], self.colors[i], Seen { voxel: self.hits[i].voxel, material, normal })
         })
+    }
+
+    /// A sample that was shaded, as rays go on from it.
+    #[inline]
+    pub fn met<'a>(&self, i: usize, palette: &'a [Material]) -> Met<'a> {
+        Met {
+            hit: self.hits[i],
+            point: self.points[i],
+            dir: self.dirs[i],
+            normal: self.normals[i],
+            above: self.above[i],
+            id: self.materials[i],
+            material: material(palette, self.materials[i]),
+        }
+    }
+}
+
+/// A surface that a ray met.
+pub(super) struct Met<'a> {
+    pub hit: Hit,
+    /// In grid coordinates.
+    pub point: [f64; 3],
+    /// Of the ray.
+    pub dir: [f64; 3],
+    pub normal: Normal,
+    /// Whether rays that leave the surface start above its steps; of mirrors, and of what is lit by a light with shadows.
+    pub above: bool,
+    pub id: MaterialId,
+    pub material: &'a Material,
+}
+
+/// What `shade` makes of a material: of all of it, or of what is left of it where one sees through it.
+#[inline]
+fn looking(
+    palette: &[Material],
+    id: MaterialId,
+    effects: Effects,
+    shade: impl FnOnce(&Material) -> [f32; 3],
+) -> [f32; 3] {
+    let material = material(palette, id);
+    if effects.contains(Effects::TRANSPARENCY) && Effects::of(material).contains(Effects::TRANSPARENCY) {
+        shade(&effects::faded(material))
+    } else {
+        shade(material)
     }
 }
 
 /// A material of a palette; beyond its end grey.
 #[inline]
-fn material(palette: &[Material], id: MaterialId) -> &Material {
+pub(super) fn material(palette: &[Material], id: MaterialId) -> &Material {
     palette.get(usize::from(id)).unwrap_or(&Material::GREY)
 }

@@ -9,9 +9,11 @@
 //! ```
 //!
 //! Rays run in grid coordinates, surfaces are lit in the world's: the map between them keeps directions. Materials and
-//! normals are looked up at hits only.
+//! normals are looked up at hits only. What a surface mirrors and lets through is traced and shaded the same way.
 
 mod batch;
+mod bend;
+mod follow;
 mod frame;
 mod sampling;
 mod shadow;
@@ -21,6 +23,7 @@ use core::ops::Range;
 
 use crate::camera::Camera;
 use crate::dag::Dag;
+use crate::effects::Effects;
 use crate::geometry::Geometry;
 use crate::grid::Grid;
 use crate::material::Material;
@@ -28,6 +31,7 @@ use crate::materials::Materials;
 use crate::normal::NormalKind;
 use crate::shade::Light;
 use crate::trace::{Arithmetic, Tracer};
+use follow::{Follow, GOES_ON};
 use frame::Frame;
 pub use frame::{MAX_SIDE, Pixel, RenderError, each_pixel};
 pub use sampling::{Samples, Supersample};
@@ -54,10 +58,13 @@ pub struct Settings {
     pub ambient: [f32; 3],
     /// Linear colour where there is nothing.
     pub background: [f32; 3],
+    /// Effects that may be drawn: of these the ones that materials and lights call for ([`Effects::needed`]).
+    pub effects: Effects,
 }
 
 impl Default for Settings {
-    /// 1024 x 1024, one sample, exact rays, [`NormalKind::Plane2`], faint ambient light and a light grey background.
+    /// 1024 x 1024, one sample, exact rays, [`NormalKind::Plane2`], faint ambient light, a light grey background, and all
+    /// effects that the scene calls for.
     fn default() -> Settings {
         Settings {
             width: 1024,
@@ -70,6 +77,7 @@ impl Default for Settings {
             ambient: [0.2; 3],
             // sRGB (222, 226, 230).
             background: [0.730_46, 0.760_525, 0.791_298],
+            effects: Effects::ALL,
         }
     }
 }
@@ -91,17 +99,21 @@ pub struct View<'a, M, G = Dag<'a>> {
     pub lights: &'a [Light],
 }
 
-/// How many rays were traced, and what they met.
+/// How many rays were traced, what they met, and what else was worked out. What is not called for counts 0.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Counters {
     /// Rays from the camera.
     pub primary: u64,
     /// Rays towards lights that cast shadows, from surfaces that face them; without the short ones to where they start.
     pub shadow: u64,
-    /// Rays from surfaces elsewhere.
+    /// Rays that go on from surfaces: mirrored, or through what is transparent.
     pub secondary: u64,
     /// Primary rays that met a voxel.
     pub hits: u64,
+    /// Highlights worked out, one power each.
+    pub highlights: u64,
+    /// Normals worked out from the voxels around a hit; those on the way of a shadow ray are not counted.
+    pub normals: u64,
     /// Pixels that took all samples of a pattern of more than one.
     pub supersampled: u64,
 }
@@ -112,6 +124,8 @@ impl core::ops::AddAssign for Counters {
         self.shadow += other.shadow;
         self.secondary += other.secondary;
         self.hits += other.hits;
+        self.highlights += other.highlights;
+        self.normals += other.normals;
         self.supersampled += other.supersampled;
     }
 }
@@ -119,7 +133,7 @@ impl core::ops::AddAssign for Counters {
 /// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
 ///
 /// Fastest for a multiple of 4 rows. Takes about 80 KiB of stack, most of it for 256 samples on their way (some 150 KiB where
-/// the tracer takes many rays at once), and no heap.
+/// the tracer takes many rays at once), another 150 KiB where rays go on from surfaces, and no heap.
 pub fn render_rows<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,
@@ -128,12 +142,42 @@ pub fn render_rows<M: Materials, G: Geometry>(
 ) -> Result<Counters, RenderError> {
     let Settings { width, height, .. } = *settings;
     let frame = Frame::new(&view.camera, &view.grid, [width, height], &rows, out.len())?;
-    let mut tile = Tile::new(view, settings);
+    let effects = settings.effects.intersection(Effects::needed(view.palette, view.lights));
+    let settings = &Settings { effects, ..*settings };
+    // Room for rays that go on is taken only where there are some.
+    if effects.intersects(GOES_ON) {
+        Ok(with_follow(&frame, view, settings, rows, out))
+    } else {
+        Ok(draw(&frame, Tile::new(view, settings, None), width, rows, out))
+    }
+}
+
+#[inline(never)]
+fn with_follow<M: Materials, G: Geometry>(
+    frame: &Frame,
+    view: &View<'_, M, G>,
+    settings: &Settings,
+    rows: Range<u32>,
+    out: &mut [u32],
+) -> Counters {
+    let mut follow = Follow::new();
+    draw(frame, Tile::new(view, settings, Some(&mut follow)), settings.width, rows, out)
+}
+
+/// Draws rows tile by tile.
+#[inline]
+fn draw<M: Materials, G: Geometry>(
+    frame: &Frame,
+    mut tile: Tile<'_, M, G>,
+    width: u32,
+    rows: Range<u32>,
+    out: &mut [u32],
+) -> Counters {
     let strips = out.chunks_mut(tile::HEIGHT as usize * width as usize);
     for (y, strip) in rows.step_by(tile::HEIGHT as usize).zip(strips) {
         for x in (0..width).step_by(tile::WIDTH as usize) {
-            tile.draw(&frame, [x, y], strip);
+            tile.draw(frame, [x, y], strip);
         }
     }
-    Ok(tile.counters())
+    tile.counters()
 }

@@ -120,7 +120,7 @@ pub enum Supersample {
         to: [u32; 2],
     },
     /// Pixels whose corner samples do not all see one smooth surface, or nothing; the others take these four. The same
-    /// as [`Supersample::All`] for patterns of fewer than 16 samples.
+    /// as [`Supersample::All`] for patterns of fewer than 16 samples, and where surfaces mirror or are transparent.
     ///
     /// One smooth surface: one material, normals within some degrees of the first sample's, and voxels within two
     /// voxels and these degrees of its tangent plane.

@@ -5,6 +5,7 @@
 //! brim, one pixel after the other; a pixel may go on in the next batch, as its mean does not depend on how it is summed.
 
 use super::batch::Batch;
+use super::follow::{Follow, GOES_ON, effects_of};
 use super::frame::Frame;
 use super::sampling::{Plan, Samples, Seen, Smooth, Supersample};
 use super::{Counters, Settings, View};
@@ -29,6 +30,8 @@ pub(super) struct Tile<'a, M, G> {
     smooth: Option<Smooth>,
     counters: Counters,
     batch: Batch,
+    /// Where rays go on from surfaces.
+    follow: Option<&'a mut Follow>,
     pixels: [Pixel; PIXELS],
 }
 
@@ -42,8 +45,8 @@ struct Pixel {
 }
 
 impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
-    /// Room for any tile of a picture.
-    pub fn new(view: &'a View<'a, M, G>, settings: &'a Settings) -> Tile<'a, M, G> {
+    /// Room for any tile of a picture; the effects are those that the scene calls for.
+    pub fn new(view: &'a View<'a, M, G>, settings: &'a Settings, follow: Option<&'a mut Follow>) -> Tile<'a, M, G> {
         let smooth = match settings.supersample {
             Supersample::Adaptive { degrees } => Some(Smooth::within(degrees)),
             _ => None,
@@ -55,6 +58,7 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
             smooth,
             counters: Counters::default(),
             batch: Batch::new(),
+            follow,
             pixels: [Pixel::default(); PIXELS],
         }
     }
@@ -103,7 +107,7 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
 
     /// Traces and shades the samples of the batch, and gives them to their pixels.
     fn shade(&mut self, frame: &Frame) {
-        let Tile { view, settings, background, smooth, counters, batch, pixels } = self;
+        let Tile { view, settings, background, smooth, counters, batch, follow, pixels } = self;
         counters.primary += batch.len() as u64;
         batch.trace(&view.tracer, settings.arithmetic, frame, |pixel, hit| {
             let pixel = &mut pixels[usize::from(pixel)];
@@ -118,9 +122,18 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
                 }
             }
         });
-        counters.shadow += batch.shade(view, settings);
-        for (pixel, color, seen) in batch.shaded() {
-            pixels[usize::from(pixel)].add(color.map(color::quantize), Some(seen), smooth);
+        batch.shade(view, settings, counters);
+        if let Some(follow) = follow {
+            for ((pixel, _, seen), color) in batch.shaded().zip(follow.colors(batch, view, settings, counters)) {
+                let pixel = &mut pixels[usize::from(pixel)];
+                pixel.add(*color, Some(seen), smooth);
+                // What is seen in a mirror and through glass may have edges.
+                pixel.plan.all |= smooth.is_some() && effects_of(view, settings, seen.material).intersects(GOES_ON);
+            }
+        } else {
+            for (pixel, color, seen) in batch.shaded() {
+                pixels[usize::from(pixel)].add(color.map(color::quantize), Some(seen), smooth);
+            }
         }
         batch.clear();
     }

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use rayon::prelude::*;
 use voxdag::camera::Camera;
+use voxdag::effects::Effects;
 use voxdag::render::Samples;
 
 use super::build::{self, Scene};
@@ -169,6 +170,8 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
             samples: None,
             supersample: None,
             arithmetic: ArithmeticArg::default(),
+            // What the mesh's own picture has.
+            effects: Effects::PHONG.union(Effects::SHADOWS),
             lod: 0,
         })
     };

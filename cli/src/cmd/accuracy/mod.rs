@@ -209,7 +209,8 @@ fn measure(
         Some(file) => format!("--view {} {}", shell_word(file), args.lighting.typed()),
         None => lighting.typed(),
     };
-    let view = [format!("--size {}x{}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lights];
+    let shading = "--effects phong,+shadows";
+    let view = [format!("--size {}x{} {shading}", size[0], size[1]), CameraArgs::typed_of(&found.camera), lights];
     let head = Head {
         scene: args.scene_name(),
         triangles: source.model.mesh().triangles.len(),

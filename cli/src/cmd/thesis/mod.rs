@@ -12,6 +12,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use voxdag::effects::Effects;
 use voxdag::grid::UpAxis;
 
 use crate::error::{Error, Kind, Result};
@@ -160,6 +161,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             samples: None,
             supersample: None,
             arithmetic: ArithmeticArg::default(),
+            effects: Effects::PHONG,
             lod: 0,
         };
         for &resolution in &resolutions {

@@ -61,7 +61,7 @@ impl View {
 
     /// The flags of `render` that draw from there.
     pub fn flags(&self, [width, height]: [u32; 2]) -> String {
-        let mut flags = format!("--size {width}x{height} {}", self.camera.typed());
+        let mut flags = format!("--size {width}x{height} --effects phong {}", self.camera.typed());
         for light in &self.lights {
             flags += &format!(" {}", light.typed());
         }
