@@ -244,7 +244,7 @@ fn rays_go_on_eight_times() {
 fn rays_that_branch_everywhere_find_room() {
     let is_filled = |v: [u32; 3]| {
         let shell = v.iter().any(|&x| x == 5 || x == 59) && v.iter().all(|x| (5..=59).contains(x));
-        shell || v[2] % 6 == 0 && v.iter().all(|x| (5..=59).contains(x))
+        shell || v[2].is_multiple_of(6) && v.iter().all(|x| (5..=59).contains(x))
     };
     let glass = Material { ambient: [0.01; 3], specular: WHITE, opacity: 0.0, illum: 4, ..DARK };
     let wall = Material { ambient: [0.01; 3], specular: WHITE, illum: 3, ..DARK };
@@ -358,7 +358,8 @@ fn a_slab_shifts_what_is_behind_it_as_snell_says() {
         // Two sheets 20 apart, whose sides towards the ray count, and a filled block from 41 down to 20.
         let sheets = |v: [u32; 3]| v[2] == 40 || v[2] == 20;
         let block = |v: [u32; 3]| (20..=40).contains(&v[2]);
-        let cases: [(&dyn Fn([u32; 3]) -> bool, f64); 2] = [(&sheets, 20.0), (&block, 21.0)];
+        type Filled<'a> = &'a dyn Fn([u32; 3]) -> bool;
+        let cases: [(Filled<'_>, f64); 2] = [(&sheets, 20.0), (&block, 21.0)];
         for (is_glass, depth) in cases {
             let scene = striped(is_glass, glass, [40.0, 31.0, 80.0]);
             for normals in [NormalKind::Face, NormalKind::Plane2] {
