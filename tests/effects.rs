@@ -552,7 +552,8 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let changed = Scene { palette, lights, words: scene.words.clone(), ..scene };
         (changed.drawn(&settings(NormalKind::Plane1)), Effects::needed(&changed.palette, &changed.lights))
     };
-    let cases: [(Effects, fn(&mut Material), bool); 5] = [
+    type Change = fn(&mut Material);
+    let cases: [(Effects, Change, bool); 5] = [
         (Effects::SHADOWS, |_| (), false),
         (Effects::EMISSION, |m| m.emission = BLACK, true),
         (Effects::REFRACTION, |m| m.refraction = 1.0, true),
