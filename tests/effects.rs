@@ -44,6 +44,9 @@ impl Materials for Placed {
     }
 }
 
+type IsFilled<'a> = &'a dyn Fn([u32; 3]) -> bool;
+type Change = fn(&mut Material);
+
 struct Scene {
     words: Vec<u32>,
     materials: Placed,
@@ -244,7 +247,7 @@ fn rays_go_on_eight_times() {
 fn rays_that_branch_everywhere_find_room() {
     let is_filled = |v: [u32; 3]| {
         let shell = v.iter().any(|&x| x == 5 || x == 59) && v.iter().all(|x| (5..=59).contains(x));
-        shell || v[2] % 6 == 0 && v.iter().all(|x| (5..=59).contains(x))
+        shell || v[2].is_multiple_of(6) && v.iter().all(|x| (5..=59).contains(x))
     };
     let glass = Material { ambient: [0.01; 3], specular: WHITE, opacity: 0.0, illum: 4, ..DARK };
     let wall = Material { ambient: [0.01; 3], specular: WHITE, illum: 3, ..DARK };
@@ -358,7 +361,7 @@ fn a_slab_shifts_what_is_behind_it_as_snell_says() {
         // Two sheets 20 apart, whose sides towards the ray count, and a filled block from 41 down to 20.
         let sheets = |v: [u32; 3]| v[2] == 40 || v[2] == 20;
         let block = |v: [u32; 3]| (20..=40).contains(&v[2]);
-        let cases: [(&dyn Fn([u32; 3]) -> bool, f64); 2] = [(&sheets, 20.0), (&block, 21.0)];
+        let cases = [(&sheets as IsFilled<'_>, 20.0), (&block, 21.0)];
         for (is_glass, depth) in cases {
             let scene = striped(is_glass, glass, [40.0, 31.0, 80.0]);
             for normals in [NormalKind::Face, NormalKind::Plane2] {
@@ -551,7 +554,7 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let changed = Scene { palette, lights, words: scene.words.clone(), ..scene };
         (changed.drawn(&settings(NormalKind::Plane1)), Effects::needed(&changed.palette, &changed.lights))
     };
-    let cases: [(Effects, fn(&mut Material), bool); 5] = [
+    let cases: [(Effects, Change, bool); 5] = [
         (Effects::SHADOWS, |_| (), false),
         (Effects::EMISSION, |m| m.emission = BLACK, true),
         (Effects::REFRACTION, |m| m.refraction = 1.0, true),

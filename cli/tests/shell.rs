@@ -37,9 +37,7 @@ fn help_names_every_command_flag_and_default() {
     {
         assert!(render.contains(word), "no `{word}` in\n{render}");
     }
-    for word in
-        ["--show", "iterations", "--depth-out", "--supersample", "adaptive[:DEGREES]", "ernerfeldt2", "--effects"]
-    {
+    for word in ["--show", "iterations", "--depth-out", "--supersample", "adaptive[:DEGREES]", "ernerfeldt2"] {
         assert!(render.contains(word), "no `{word}` in\n{render}");
     }
     let (cast, export) = (s.ok("cast --help").stdout, s.ok("export --help").stdout);
