@@ -44,6 +44,9 @@ impl Materials for Placed {
     }
 }
 
+type IsFilled<'a> = &'a dyn Fn([u32; 3]) -> bool;
+type Change = fn(&mut Material);
+
 struct Scene {
     words: Vec<u32>,
     materials: Placed,
@@ -358,8 +361,7 @@ fn a_slab_shifts_what_is_behind_it_as_snell_says() {
         // Two sheets 20 apart, whose sides towards the ray count, and a filled block from 41 down to 20.
         let sheets = |v: [u32; 3]| v[2] == 40 || v[2] == 20;
         let block = |v: [u32; 3]| (20..=40).contains(&v[2]);
-        type Filled<'a> = &'a dyn Fn([u32; 3]) -> bool;
-        let cases: [(Filled<'_>, f64); 2] = [(&sheets, 20.0), (&block, 21.0)];
+        let cases = [(&sheets as IsFilled<'_>, 20.0), (&block, 21.0)];
         for (is_glass, depth) in cases {
             let scene = striped(is_glass, glass, [40.0, 31.0, 80.0]);
             for normals in [NormalKind::Face, NormalKind::Plane2] {
@@ -552,7 +554,6 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let changed = Scene { palette, lights, words: scene.words.clone(), ..scene };
         (changed.drawn(&settings(NormalKind::Plane1)), Effects::needed(&changed.palette, &changed.lights))
     };
-    type Change = fn(&mut Material);
     let cases: [(Effects, Change, bool); 5] = [
         (Effects::SHADOWS, |_| (), false),
         (Effects::EMISSION, |m| m.emission = BLACK, true),

@@ -20,7 +20,7 @@ use voxdag_oracle::scenes::{self, Implicit};
 
 /// Calls for every effect.
 const GLASS: Material =
-    Material { specular: [0.3; 3], emission: [0.1; 3], opacity: 0.3, refraction: 1.5, illum: 7, ..Material::GREY };
+    Material { specular: [0.05; 3], emission: [0.1; 3], opacity: 0.7, refraction: 1.5, illum: 6, ..Material::GREY };
 
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;

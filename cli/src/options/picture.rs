@@ -133,12 +133,12 @@ pub struct PictureArgs {
     #[arg(long, value_name = "KIND", value_enum, default_value_t)]
     pub arithmetic: ArithmeticArg,
 
-    /// Effects to draw, of those that materials and lights call for: auto, phong, or such as -mirror,-shadows [default: auto]
+    /// Effects to draw, of those that the scene calls for: auto, phong, or such as -mirror [default: auto]
     ///
     /// auto, all: all of them
     /// phong:     highlights alone, as in Pineda's thesis
-    /// -NAME and +NAME take from auto, or after `phong,` add to it: specular, shadows, mirror, transparency, refraction,
-    /// emission
+    /// -NAME and +NAME, by commas, take from auto, or after `phong,` add to it:
+    /// specular, shadows, mirror, transparency, refraction, emission
     #[arg(long, value_name = "SET", default_value = "auto", hide_default_value = true, value_parser = effects)]
     #[arg(verbatim_doc_comment, allow_hyphen_values = true)]
     pub effects: Effects,
