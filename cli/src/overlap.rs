@@ -77,7 +77,7 @@ pub fn bytes(mesh: &Mesh<'_>, grid: &Grid) -> u64 {
 
 /// Triangles, snapped, in voxels.
 fn snapped(mesh: &Mesh<'_>, grid: &Grid) -> impl ParallelIterator<Item = [[f64; 3]; 3]> {
-    let snapped = |p| grid.snap(p).map_or([0.0; 3], |q| q.map(|x| f64::from(x) / 256.0));
+    let snapped = |p| grid.snap(p).map_or([0.0; 3], |q| q.map(|x| f64::from(x) / clip::SUB as f64));
     mesh.triangles.par_iter().map(move |t| t.map(|v| snapped(mesh.positions[v as usize])))
 }
 

@@ -70,7 +70,7 @@ fn the_edge_of_a_floor_costs_what_its_pixels_say() {
     assert_eq!((number(usual, "resolution"), number(usual, "voxels")), (64.0, 64.0 * 64.0));
     assert!(!cfg!(target_os = "linux") || number(usual, "build_peak_bytes") > 1e6);
 
-    // The front: nothing faster is as accurate, and what is told in full is told everywhere.
+    // The front: nothing faster is as accurate, where times within three hundredths are the same one.
     let place = |key: &Value| key.as_u64().unwrap() as usize;
     let recommendation = &report["recommendation"];
     let front: Vec<_> = recommendation["front"].as_array().unwrap().iter().map(place).collect();
@@ -79,7 +79,7 @@ fn the_edge_of_a_floor_costs_what_its_pixels_say() {
     for (i, s) in settings.iter().enumerate() {
         assert_eq!(s["on_front"], front.contains(&i));
         let beaten = |k: &&usize| {
-            number(&settings[**k], "render_ms.median") <= number(s, "render_ms.median")
+            number(&settings[**k], "render_ms.median") <= 1.03 * number(s, "render_ms.median")
                 && number(&settings[**k], "error.rmse") <= number(s, "error.rmse")
         };
         assert!(s["flags"] == "" || front.contains(&i) || front.iter().find(beaten).is_some(), "{s:#}");

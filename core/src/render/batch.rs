@@ -260,7 +260,7 @@ impl Batch {
                 self.waiting[waiting] = (i as u8, incidence);
                 waiting += 1;
             } else {
-                self.reflect(i, view.palette, settings.effects, &surface, light, incidence, counters);
+                self.reflect(i, view.palette, settings.effects, &surface, (light, incidence), counters);
             }
         }
 
@@ -282,7 +282,7 @@ impl Batch {
             let (i, incidence) = self.waiting[ray];
             let i = usize::from(i);
             let surface = self.surface(i, &view.grid);
-            self.reflect(i, view.palette, settings.effects, &surface, light, incidence, counters);
+            self.reflect(i, view.palette, settings.effects, &surface, (light, incidence), counters);
         }
         counters.shadow += waiting as u64;
     }
@@ -299,7 +299,6 @@ impl Batch {
     }
 
     /// Adds to a sample's colour what it sends back of a light that reaches it.
-    #[expect(clippy::too_many_arguments, reason = "what a picture shares, and what a sample and a light do")]
     #[inline]
     fn reflect(
         &mut self,
@@ -307,8 +306,7 @@ impl Batch {
         palette: &[Material],
         effects: Effects,
         surface: &Surface,
-        light: &Light,
-        incidence: Incidence,
+        (light, incidence): (&Light, Incidence),
         counters: &mut Counters,
     ) {
         let color = self.colors[i];

@@ -19,10 +19,14 @@ pub fn front(points: &[Point]) -> Vec<usize> {
         points[a].cost.total_cmp(&points[b].cost).then(points[a].error.total_cmp(&points[b].error)).then(a.cmp(&b))
     });
     let mut front: Vec<usize> = Vec::new();
+    // What the cheapest of those cost that the last one stands for.
+    let mut step = 0.0;
     for i in order {
         if front.last().is_none_or(|&last| points[i].error < 0.99 * points[last].error) {
-            if front.last().is_some_and(|&last| points[i].cost < 1.03 * points[last].cost) {
+            if points[i].cost < 1.03 * step {
                 front.pop();
+            } else {
+                step = points[i].cost;
             }
             front.push(i);
         }
@@ -61,6 +65,13 @@ mod tests {
         assert_eq!(front(&all), [1, 3, 0, 5]);
         assert_eq!(front(&[]), [0usize; 0]);
         assert_eq!(front(&points(&[[1.0, 0.9], [1.02, 0.5], [2.0, 0.4]])), [1, 2]);
+        // Many small steps: none of the front is lost for more than three hundredths of its cost.
+        let steps: Vec<_> =
+            (0..40).map(|i| Point { cost: 1.0 + 0.02 * f64::from(i), error: 1.0 / f64::from(1 + i) }).collect();
+        let found = front(&steps);
+        for p in &steps {
+            assert!(found.iter().any(|&k| steps[k].cost <= 1.03 * p.cost && steps[k].error <= p.error / 0.99), "{p:?}");
+        }
         // No point that is not on the front is better in both than any that is.
         for (i, p) in all.iter().enumerate() {
             assert!(front(&all).iter().all(|&k| k == i || !(p.cost < all[k].cost && p.error < 0.98 * all[k].error)));

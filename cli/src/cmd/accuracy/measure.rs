@@ -178,17 +178,21 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
     let draw = |(shown, prepared): &(Shown<'_>, Prepared), quality| prepared.draw(shown, &args(quality), false, memory);
 
     progress.say("pictures".to_owned());
-    let mut drawn: Vec<(Vec<f64>, Option<Picture>)> = settings.iter().map(|_| (Vec::new(), None)).collect();
+    let mut drawn: Vec<(Vec<f64>, Picture)> = Vec::new();
     for repetition in 0..repeat as usize {
         for i in 0..settings.len() {
             let i = (i + repetition) % settings.len();
             let picture = draw(&prepared[detail_of[i]], settings[i].quality)?;
-            if drawn[i].1.as_ref().is_some_and(|before| before.pixels != picture.pixels) {
-                return Err(Error::new(Kind::Failure, "the same picture came out twice in different pixels")
-                    .hint("this is a defect of voxdag"));
+            let seconds = picture.trace.as_secs_f64();
+            match drawn.get_mut(i) {
+                // The first repetition goes from the first setting to the last.
+                None => drawn.push((vec![seconds], picture)),
+                Some((times, before)) if before.pixels == picture.pixels => times.push(seconds),
+                Some(_) => {
+                    return Err(Error::new(Kind::Failure, "the same picture came out twice in different pixels")
+                        .hint("this is a defect of voxdag"));
+                }
             }
-            drawn[i].0.push(picture.trace.as_secs_f64());
-            drawn[i].1 = Some(picture);
             progress.steps(cost::draw(&settings[i].quality));
         }
     }
@@ -222,7 +226,7 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
         let Quality { normals, arithmetic, .. } = settings[i].quality;
         let (detail, trees) = prepared.parts(shown);
         let how = (normals.kind(shown.has_normals())?, arithmetic.kind());
-        let Some(Picture { pixels, rays, derive, .. }) = picture else { continue };
+        let Picture { pixels, rays, derive, .. } = picture;
         rows.push(Row {
             scene: scene_of[i],
             seconds,

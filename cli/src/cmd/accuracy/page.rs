@@ -9,6 +9,7 @@ use super::plan::Axis;
 use super::plot::{Mark, Plot};
 use super::report::{Measured, Report, Voxels};
 use crate::error::Result;
+use crate::options::name_of;
 use crate::report::{grouped, size, time};
 use crate::truth::Deviations;
 
@@ -246,7 +247,7 @@ fn deviations(of: Option<Deviations>) -> String {
 fn voxels(v: &Voxels) -> Markup {
     html! {
         tr {
-            th { (v.resolution) } td { (v.cover) } td { (format!("{:?}", v.overlap).to_lowercase()) }
+            th { (v.resolution) } td { (v.cover) } td { (name_of(v.overlap)) }
             td { @if v.stored_normals { "yes" } @else { "no" } }
             td { (grouped(v.voxels)) } td { (grouped(v.bytes)) } td { (format!("{:.2}", v.bits_per_voxel)) }
             td { (decimals(v.build_ms.median)) } td { (v.build_peak_bytes.map_or("-".to_owned(), size)) }

@@ -29,7 +29,7 @@ pub enum Axis {
 }
 
 /// How triangles are tested against voxels.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum Overlap {
     /// 13 separating axes in f32.

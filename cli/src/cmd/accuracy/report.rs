@@ -89,7 +89,7 @@ pub struct Measured {
     /// RMSE against these 64 samples.
     pub sampling_rmse: f64,
     pub shape: ShapeErrors,
-    /// Whether nothing faster is as accurate.
+    /// Whether nothing faster is as accurate, as [`front`] rounds that.
     pub on_front: bool,
 }
 
@@ -181,7 +181,7 @@ impl Report {
         for s in &self.settings {
             let v = &self.voxels[s.voxels];
             let optional = |x: Option<f64>| x.map(|x| x.to_string()).unwrap_or_default();
-            let overlap = format!("{:?}", v.overlap).to_lowercase();
+            let overlap = name_of(v.overlap);
             let mut record = vec![name_of(s.axis), s.label.clone(), s.flags.clone()];
             record.extend([v.resolution.to_string(), v.cover.clone(), overlap, v.voxels.to_string()]);
             record.extend([v.bytes.to_string(), v.build_ms.median.to_string()]);
