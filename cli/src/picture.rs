@@ -8,6 +8,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
+use voxdag::colors::{Colored, Painted};
 use voxdag::effects::Effects;
 use voxdag::file::Scene;
 use voxdag::grid::{Bounds, UpAxis};
@@ -67,6 +68,8 @@ pub struct Shown<'a> {
     pub up: UpAxis,
     pub geometry: AnyGeometry<'a>,
     pub materials: AnyMaterials<'a>,
+    /// The colours of textures.
+    pub colors: Option<Colored<'a>>,
     pub palette: Vec<Material>,
     /// Where the geometry is derived from a finer one, whose voxels are those that have materials.
     pub lod: Option<Lod<AnyGeometry<'a>>>,
@@ -286,14 +289,14 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
 impl<'a> Shown<'a> {
     /// What a file holds.
     pub fn of(scene: &Scene<'a>) -> Shown<'a> {
-        let Scene { grid, bounds, up, geometry, materials, .. } = *scene;
+        let Scene { grid, bounds, up, geometry, materials, colors, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
-        Shown { grid, bounds, up, geometry, materials, palette, lod: None }
+        Shown { grid, bounds, up, geometry, materials, colors, palette, lod: None }
     }
 
     /// The voxels' materials.
     pub fn looks(&self) -> Looks<'a> {
-        Looks { materials: self.materials, lod: self.lod }
+        Looks { fine: Painted { materials: self.materials, colors: self.colors }, lod: self.lod }
     }
 
     /// Whether voxels have normals of their own.

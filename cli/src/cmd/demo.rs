@@ -106,7 +106,7 @@ fn source(memory: &mut Memory) -> Result<Source> {
     let (text, library) = (demo::obj(), demo::mtl());
     let text_bytes = (text.len() + library.len()) as u64;
     scene::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;
-    let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
+    let source = scene::import(Path::new("demo"), text.as_bytes(), false, |name| {
         (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
     })?;
     memory.hold(source.bytes);

@@ -185,7 +185,7 @@ pub fn run(args: &Args) -> Result<()> {
             (pool.install(|| draw(&Shown::of(&scene), args, &view, (&shots, first), &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
-            let source = scene::import_file(&args.input, text, &mut memory)?;
+            let source = scene::import_file(&args.input, text, args.build.reads_textures(), &mut memory)?;
             check_outputs(&shots, &source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);

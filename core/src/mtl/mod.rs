@@ -95,7 +95,9 @@ impl Materials {
             let mut note = |message: String| notes.push(file, line, message);
             match &mut current {
                 Some((_, definition)) => {
-                    if !definition.read(&keyword, arguments, &mut note) && !self.unknown.contains(&keyword) {
+                    if !definition.read(&keyword, arguments, (file, line), &mut note)
+                        && !self.unknown.contains(&keyword)
+                    {
                         note(format!("statement {} is not known and is skipped, here and elsewhere", quote(&keyword)));
                         self.unknown.insert(keyword);
                     }
@@ -153,7 +155,7 @@ impl Definition {
     }
 
     /// Reads a statement (`keyword` in lower case); false if there is none of that name.
-    fn read(&mut self, keyword: &str, arguments: &str, note: &mut impl FnMut(String)) -> bool {
+    fn read(&mut self, keyword: &str, arguments: &str, place: (&str, u32), note: &mut impl FnMut(String)) -> bool {
         match keyword {
             "ka" => set(&mut self.ambient, color("Ka", arguments), note),
             "kd" => set(&mut self.diffuse, color("Kd", arguments), note),
@@ -174,7 +176,7 @@ impl Definition {
                 self.compare_dissolve(note);
             }
             "map_kd" => {
-                if let Some(map) = texture::read(arguments, note) {
+                if let Some(map) = texture::read(arguments, place, note) {
                     self.map_kd = Some(map);
                 }
             }
@@ -210,6 +212,7 @@ impl Definition {
             opacity: opacity.map_or(grey.opacity, |d| d.clamp(0.0, 1.0) as f32),
             refraction: self.refraction.map_or(grey.refraction, |ni| ni as f32),
             illum: self.illum.unwrap_or(if specular == [0.0; 3] { 1 } else { 2 }),
+            textured: false,
         };
         NamedMaterial { name: self.name, material, map_kd: self.map_kd }
     }

@@ -8,22 +8,19 @@ use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
 use crate::text::{finite, path, quote, split_keyword};
+use crate::texture::Placement;
 
 /// A texture and how it lies on a surface.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TextureMap {
     /// As the library names it, with `/` between folders.
     pub path: String,
-    /// `-s`: factor on the texture coordinates.
-    pub scale: [f32; 3],
-    /// `-o`: what is added to the scaled coordinates.
-    pub offset: [f32; 3],
-    /// `-clamp on`: no repetition outside 0 to 1.
-    pub clamp: bool,
-    /// `-mm`, first number: what is added to the scaled values.
-    pub base: f32,
-    /// `-mm`, second number: factor on the texture's values.
-    pub gain: f32,
+    /// The library that names it, and the line.
+    pub library: String,
+    /// See `library`.
+    pub line: u32,
+    /// How it lies there, and how bright it is.
+    pub placement: Placement,
 }
 
 /// What follows an option of a texture.
@@ -56,9 +53,8 @@ fn switch(word: &str) -> Option<bool> {
 }
 
 /// The arguments of `map_Kd`: options, a file name that may hold spaces, and options again in some dialects.
-pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<TextureMap> {
-    let mut map =
-        TextureMap { path: String::new(), scale: [1.0; 3], offset: [0.0; 3], clamp: false, base: 0.0, gain: 1.0 };
+pub(super) fn read(arguments: &str, (library, line): (&str, u32), note: &mut impl FnMut(String)) -> Option<TextureMap> {
+    let mut map = TextureMap { path: String::new(), library: library.into(), line, placement: Placement::default() };
     let mut unknown = Vec::new();
     let mut rest = arguments;
     while !rest.is_empty() {
@@ -86,7 +82,9 @@ pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<Tex
                 let (value, behind) = split_keyword(after);
                 match switch(value) {
                     Some(on) => {
-                        map.clamp = if lower == "-clamp" { on } else { map.clamp };
+                        if lower == "-clamp" {
+                            map.placement.clamp = on;
+                        }
                         behind
                     }
                     None => {
@@ -131,12 +129,12 @@ fn read_numbers<'a>(
         return rest;
     }
     match option {
-        "-s" => map.scale[..count].copy_from_slice(&values[..count]),
-        "-o" => map.offset[..count].copy_from_slice(&values[..count]),
+        "-s" => map.placement.scale[..count].copy_from_slice(&values[..count]),
+        "-o" => map.placement.offset[..count].copy_from_slice(&values[..count]),
         "-mm" => {
-            map.base = values[0];
+            map.placement.base = values[0];
             if count > 1 {
-                map.gain = values[1];
+                map.placement.gain = values[1];
             }
         }
         _ => {}

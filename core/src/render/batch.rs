@@ -11,6 +11,7 @@ use glam::Vec3;
 use super::frame::Frame;
 use super::sampling::Seen;
 use super::{Counters, Settings, View, bend, follow, shadow};
+use crate::color;
 use crate::effects::{self, Effects};
 use crate::geometry::Geometry;
 use crate::grid::Grid;
@@ -42,6 +43,8 @@ pub(super) struct Batch {
     points: [[f64; 3]; SAMPLES],
     materials: [MaterialId; SAMPLES],
     normals: [Normal; SAMPLES],
+    /// What their textures leave of Ka and Kd.
+    tints: [[f32; 3]; SAMPLES],
     colors: [[f32; 3]; SAMPLES],
     /// Whether shadow rays start above the point.
     above: [bool; SAMPLES],
@@ -72,6 +75,7 @@ impl Batch {
             points: [[0.0; 3]; SAMPLES],
             materials: [0; SAMPLES],
             normals: [NO_NORMAL; SAMPLES],
+            tints: [[1.0; 3]; SAMPLES],
             colors: [[0.0; 3]; SAMPLES],
             above: [false; SAMPLES],
             rays: [NO_RAY; SAMPLES],
@@ -185,9 +189,12 @@ impl Batch {
             }
             _ => normals.len() as u64,
         };
+        if settings.effects.contains(Effects::TEXTURES) {
+            self.tint(view, counters);
+        }
         let glows = settings.effects.contains(Effects::EMISSION);
-        for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
-            *color = looking(view.palette, *id, settings.effects, |material| {
+        for i in 0..self.count {
+            self.colors[i] = self.looking(i, view.palette, settings.effects, |material| {
                 let color = shade::glow(material, settings.ambient);
                 if glows { (Vec3::from(color) + Vec3::from(material.emission)).to_array() } else { color }
             });
@@ -199,6 +206,45 @@ impl Batch {
         for light in view.lights {
             self.light(view, settings, light, counters);
         }
+    }
+
+    /// Looks up the colours of the samples' textures.
+    #[inline(never)]
+    fn tint<M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, counters: &mut Counters) {
+        for i in 0..self.count {
+            self.tints[i] = [1.0; 3];
+            if material(view.palette, self.materials[i]).textured {
+                counters.textures += 1;
+                if let Some(color) = view.materials.color(self.hits[i].voxel) {
+                    let linear = color.map(|byte| f32::from(color::LINEAR[usize::from(byte)]));
+                    self.tints[i] = linear.map(|x| x / color::WHITE as f32);
+                }
+            }
+        }
+    }
+
+    /// What `shade` makes of a sample's material: under its texture, and of what is left of it where one sees through it.
+    #[inline]
+    fn looking(
+        &self,
+        i: usize,
+        palette: &[Material],
+        effects: Effects,
+        shade: impl FnOnce(&Material) -> [f32; 3],
+    ) -> [f32; 3] {
+        let material = material(palette, self.materials[i]);
+        let is_textured = effects.contains(Effects::TEXTURES) && material.textured;
+        let is_clear = effects.contains(Effects::TRANSPARENCY) && Effects::of(material).contains(Effects::TRANSPARENCY);
+        if !is_textured && !is_clear {
+            return shade(material);
+        }
+        let mut own = *material;
+        if is_textured {
+            for color in [&mut own.ambient, &mut own.diffuse] {
+                *color = (Vec3::from(*color) * Vec3::from(self.tints[i])).to_array();
+            }
+        }
+        if is_clear { shade(&effects::faded(&own)) } else { shade(&own) }
     }
 
     /// Finds out from where rays leave the samples' surfaces: of all, or only of those that may send rays back.
@@ -310,7 +356,7 @@ impl Batch {
         counters: &mut Counters,
     ) {
         let color = self.colors[i];
-        self.colors[i] = looking(palette, self.materials[i], effects, |material| {
+        self.colors[i] = self.looking(i, palette, effects, |material| {
             let color = shade::matte(color, material, light, incidence);
             if !(effects.contains(Effects::SPECULAR) && shade::has_highlight(material)) {
                 return color;
@@ -360,22 +406,6 @@ pub(super) struct Met<'a> {
     pub above: bool,
     pub id: MaterialId,
     pub material: &'a Material,
-}
-
-/// What `shade` makes of a material: of all of it, or of what is left of it where one sees through it.
-#[inline]
-fn looking(
-    palette: &[Material],
-    id: MaterialId,
-    effects: Effects,
-    shade: impl FnOnce(&Material) -> [f32; 3],
-) -> [f32; 3] {
-    let material = material(palette, id);
-    if effects.contains(Effects::TRANSPARENCY) && Effects::of(material).contains(Effects::TRANSPARENCY) {
-        shade(&effects::faded(material))
-    } else {
-        shade(material)
-    }
 }
 
 /// A material of a palette; beyond its end grey.

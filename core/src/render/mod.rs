@@ -114,6 +114,8 @@ pub struct Counters {
     pub highlights: u64,
     /// Normals worked out from the voxels around a hit; those on the way of a shadow ray are not counted.
     pub normals: u64,
+    /// Colours of textures looked up.
+    pub textures: u64,
     /// Pixels that took all samples of a pattern of more than one.
     pub supersampled: u64,
 }
@@ -126,6 +128,7 @@ impl core::ops::AddAssign for Counters {
         self.hits += other.hits;
         self.highlights += other.highlights;
         self.normals += other.normals;
+        self.textures += other.textures;
         self.supersampled += other.supersampled;
     }
 }

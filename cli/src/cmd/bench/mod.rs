@@ -127,7 +127,12 @@ impl Input {
     fn read(run: &Run) -> Result<Input> {
         let mut memory = run.machine().memory();
         match input::read(&run.input, &mut memory)? {
-            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(&run.input, text, &mut memory)?))),
+            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(
+                &run.input,
+                text,
+                run.build.reads_textures(),
+                &mut memory,
+            )?))),
             Content::Scene(words) => {
                 run.build.must_be_absent(&run.input)?;
                 Ok(Input::Scene(words))

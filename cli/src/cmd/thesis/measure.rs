@@ -113,6 +113,7 @@ pub fn run(
             up: UpAxis::Y,
             geometry: layout.geometry(),
             materials,
+            colors: None,
             palette: palette.clone(),
             lod: None,
         })
