@@ -58,6 +58,7 @@ fn parts<'a>(dag: &'a [u32], table: Option<&'a [u32]>, materials: &'a [Material]
             Some(words) => AnyMaterials::Table(Table::new(words).unwrap()),
             None => AnyMaterials::Single(Single(1)),
         },
+        colors: None,
         materials,
         names: &NAMES[..materials.len()],
     }

@@ -115,10 +115,15 @@ impl Voxelizer<'_> {
                 }
             }
         }
+        // Neighbours mostly have one owner.
+        let mut last = None;
         for bit in bits(brick.mask) {
-            if let Some((_, plane, triangle)) = &best[bit] {
-                let Plane { material, normal, .. } = *plane;
-                each(bit as u32, Owner { material, normal, color: self.color(*triangle, center(bit)) });
+            if let Some((_, Plane { material, normal, .. }, triangle)) = best[bit] {
+                let (_, paint) = match last.take().filter(|(known, _)| *known == triangle) {
+                    Some(paint) => last.insert(paint),
+                    None => last.insert((triangle, self.paint(triangle))),
+                };
+                each(bit as u32, Owner { material, normal, color: paint.as_ref().map(|p| p.color(center(bit))) });
             }
         }
     }

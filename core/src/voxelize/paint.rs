@@ -1,9 +1,10 @@
 //! The colour of a voxel: the mean of its owner's texture over what the voxel cuts out of the triangle's plane.
 //!
-//! In: a triangle, a voxel. Out: sRGB bytes. The mean is that of [`TAPS`]^2 places on a square of a voxel's side in the
-//! plane, around the point of the triangle that is nearest to the voxel's centre, of those that lie in the triangle; each
-//! reads the halving of the picture in which the places are a pixel or two apart. Corners are taken in the order of their
-//! snapped positions, so the colour depends neither on the order of vertices nor on that of triangles.
+//! In: a triangle, a voxel. Out: sRGB bytes. The mean is over a square of a voxel's side in the plane, around the point of
+//! the triangle that is nearest to the voxel's centre: of places spread evenly on it, those that lie in the triangle. Each
+//! blends pixels of the halving in which the square is two to four pixels wide across, and as many places are taken along
+//! either side as it takes to miss none, up to [`MOST`]. Corners are taken in the order of their snapped positions, so the
+//! colour depends neither on the order of vertices nor on that of triangles.
 
 use super::Voxelizer;
 use crate::color;
@@ -11,10 +12,10 @@ use crate::grid::SUB;
 use crate::math;
 use crate::texture::Texture;
 
-/// Places along a side of the square.
-const TAPS: usize = 4;
+/// Most places along a side of the square.
+const MOST: u32 = 8;
 
-/// The square's colour where a triangle has no texture coordinates.
+/// The colour where a triangle has no texture coordinates.
 const WHITE: [u8; 3] = [255; 3];
 
 /// A triangle under its texture; lengths in voxels.
@@ -66,39 +67,73 @@ impl Voxelizer<'_> {
         a < b || a == b && key(first) < key(second)
     }
 
-    /// The colour of the voxel around `center` (in 1/256 voxels), which `triangle` owns; `None` without a texture.
-    pub(super) fn color(&self, triangle: u32, center: [i64; 3]) -> Option<[u8; 3]> {
+    /// What colours the voxels that `triangle` owns; `None` without a texture.
+    pub(super) fn paint(&self, triangle: u32) -> Option<Paint<'_>> {
         let texture = self.texture(triangle)?;
         let patch = self.patch(triangle);
-        if !patch.uvs.as_flattened().iter().all(|x| x.is_finite()) {
-            return Some(WHITE);
-        }
-        let nearest = patch.nearest(center.map(|x| x as f64 / SUB as f64));
-        let place = |weights: [f64; 3]| texture.to_pixels(patch.uv(weights));
-        let Some(tangents) = patch.tangents() else {
-            return Some(encoded(texture.read(place(nearest), 0)));
-        };
+        let has_uvs = patch.uvs.as_flattened().iter().all(|x| x.is_finite());
+        let mut paint = Paint { texture, patch, has_uvs, tangents: [[0.0; 3]; 2], counts: [1; 2], level: 0 };
+        let Some(tangents) = paint.patch.tangents() else { return Some(paint) };
 
-        // How far apart the places are on the picture.
-        let (here, middle) = (place(nearest), patch.at(nearest));
-        let step = tangents.map(|tangent| {
-            let there = place(patch.weights(math::add_scaled(middle, tangent, 1.0 / TAPS as f64)));
+        // How many pixels of the picture a voxel is wide; the map is the same everywhere on the triangle.
+        let corner = paint.patch.corner;
+        let here = paint.place(paint.patch.weights(corner));
+        let wide = tangents.map(|tangent| {
+            let there = paint.place(paint.patch.weights(math::add_scaled(corner, tangent, 1.0)));
             let [x, y] = [there[0] - here[0], there[1] - here[1]];
             math::sqrt(x * x + y * y)
         });
-        let level = texture.level(step[0].max(step[1]));
+        let (across, along) = (wide[0].min(wide[1]), wide[0].max(wide[1]));
+        paint.level = texture.level((0.5 * across).max(0.5 * along / f64::from(MOST)));
+        let pixels = f64::from(2u32 << paint.level);
+        paint.counts = wide.map(|wide| ((wide / pixels) as u32).saturating_add(1).min(MOST));
+        paint.tangents = tangents;
+        Some(paint)
+    }
+}
 
+/// A triangle's texture, ready for voxels.
+pub(super) struct Paint<'a> {
+    texture: &'a Texture,
+    patch: Patch,
+    has_uvs: bool,
+    /// Directions of the square's sides, and how many places are taken along each.
+    tangents: [[f64; 3]; 2],
+    counts: [u32; 2],
+    level: usize,
+}
+
+impl Paint<'_> {
+    /// Where on the picture the point is that shares of the corners make.
+    fn place(&self, weights: [f64; 3]) -> [f64; 2] {
+        self.texture.to_pixels(self.patch.uv(weights))
+    }
+
+    /// The colour of the voxel around `center` (in 1/256 voxels).
+    pub(super) fn color(&self, center: [i64; 3]) -> [u8; 3] {
+        if !self.has_uvs {
+            return WHITE;
+        }
+        let nearest = self.patch.nearest(center.map(|x| x as f64 / SUB as f64));
+        let at_nearest = || self.texture.read(self.place(nearest), self.level);
+        let [columns, rows] = self.counts;
+        if columns * rows == 1 {
+            return encoded(at_nearest());
+        }
+        let middle = self.patch.at(nearest);
+        let offset = |i: u32, count: u32| (f64::from(i) + 0.5) / f64::from(count) - 0.5;
         let (mut sum, mut count) = ([0.0; 3], 0);
-        let offset = |i: usize| (i as f64 + 0.5) / TAPS as f64 - 0.5;
-        for i in 0..TAPS * TAPS {
-            let point = math::add_scaled(middle, tangents[0], offset(i % TAPS));
-            let weights = patch.weights(math::add_scaled(point, tangents[1], offset(i / TAPS)));
-            if weights.iter().all(|w| *w >= 0.0) {
-                sum = math::add_scaled(sum, texture.read(place(weights), level), 1.0);
-                count += 1;
+        for row in 0..rows {
+            let line = math::add_scaled(middle, self.tangents[1], offset(row, rows));
+            for column in 0..columns {
+                let weights = self.patch.weights(math::add_scaled(line, self.tangents[0], offset(column, columns)));
+                if weights.iter().all(|w| *w >= 0.0) {
+                    sum = math::add_scaled(sum, self.texture.read(self.place(weights), self.level), 1.0);
+                    count += 1;
+                }
             }
         }
-        Some(encoded(if count == 0 { texture.read(here, level) } else { sum.map(|x| x / f64::from(count)) }))
+        encoded(if count == 0 { at_nearest() } else { sum.map(|x| x / f64::from(count)) })
     }
 }
 
