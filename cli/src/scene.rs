@@ -484,7 +484,8 @@ fn bytes_of(model: &Model) -> u64 {
     let Mesh { positions, triangles, materials, name_order, uvs, normals } = model.mesh();
     let sizes = [size_of_val(positions), size_of_val(triangles), size_of_val(materials), size_of_val(name_order)];
     let mesh: u64 = sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum();
-    mesh + model.textures.iter().flatten().map(Texture::bytes).sum::<u64>()
+    let textures = model.textures.iter().flat_map(|maps| [&maps.diffuse, &maps.dissolve]).flatten();
+    mesh + textures.map(Texture::bytes).sum::<u64>()
 }
 
 /// Refuses a mesh that reaches out of a grid that was chosen by hand.

@@ -27,7 +27,7 @@ use crate::mesh::Mesh;
 use crate::morton::Morton;
 use crate::ranked::{MoxelsBuf, PackedBuf, PalettesBuf};
 use crate::table::{Entry, InsertError, Table, TableBuf};
-use crate::texture::Texture;
+use crate::texture::Maps;
 use crate::tree::{TreeBuf, TreeBuilder};
 use crate::voxelize::{Cover, Marked, Owner, VoxelizeError, Voxelizer};
 
@@ -171,8 +171,8 @@ impl<'m> Build<'m> {
         Ok(build)
     }
 
-    /// Gives voxels the colours of their textures, by material id: [`PendingMaterials::colors`].
-    pub fn with_textures(mut self, textures: &'m [Option<Texture>]) -> Build<'m> {
+    /// With the textures of the materials, by id: colours ([`PendingMaterials::colors`]) and what is cut out.
+    pub fn with_textures(mut self, textures: &'m [Maps]) -> Build<'m> {
         self.voxelizer = self.voxelizer.with_textures(textures);
         self
     }

@@ -4,7 +4,7 @@
 //! some dialects put options behind the name. An option that is not known is a warning, never the end of the texture.
 
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::text::{finite, path, quote, split_keyword};
@@ -52,8 +52,20 @@ fn switch(word: &str) -> Option<bool> {
     }
 }
 
-/// The arguments of `map_Kd`: options, a file name that may hold spaces, and options again in some dialects.
-pub(super) fn read(arguments: &str, (library, line): (&str, u32), note: &mut impl FnMut(String)) -> Option<TextureMap> {
+/// Where a texture is named.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub statement: &'static str,
+    pub library: &'a str,
+    pub line: u32,
+}
+
+/// The arguments of a statement: options, a file name that may hold spaces, and options again in some dialects.
+pub(super) fn read(
+    arguments: &str,
+    Place { statement, library, line }: Place<'_>,
+    note: &mut impl FnMut(String),
+) -> Option<TextureMap> {
     let mut map = TextureMap { path: String::new(), library: library.into(), line, placement: Placement::default() };
     let mut unknown = Vec::new();
     let mut rest = arguments;
@@ -71,13 +83,13 @@ pub(super) fn read(arguments: &str, (library, line): (&str, u32), note: &mut imp
                 map.path = path(&rest[..rest.len() - end.len()]);
                 rest = end;
             } else {
-                note(format!("map_Kd: {} after the file name is skipped", quote(rest)));
+                note(format!("{statement}: {} after the file name is skipped", quote(rest)));
                 break;
             }
             continue;
         };
         rest = match kind {
-            Arguments::Numbers(most) => read_numbers(&mut map, &lower, most, after, note),
+            Arguments::Numbers(most) => read_numbers(&mut map, (statement, &lower), most, after, note),
             Arguments::Switch => {
                 let (value, behind) = split_keyword(after);
                 match switch(value) {
@@ -88,7 +100,10 @@ pub(super) fn read(arguments: &str, (library, line): (&str, u32), note: &mut imp
                         behind
                     }
                     None => {
-                        note(format!("map_Kd: option {lower} is followed by {}: expected on or off", quote(value)));
+                        note(format!(
+                            "{statement}: option {lower} is followed by {}: expected on or off",
+                            quote(value)
+                        ));
                         after
                     }
                 }
@@ -97,11 +112,11 @@ pub(super) fn read(arguments: &str, (library, line): (&str, u32), note: &mut imp
         };
     }
     if map.path.is_empty() {
-        note("map_Kd names no file; the statement is skipped".to_string());
+        note(format!("{statement} names no file; the statement is skipped"));
         return None;
     }
     for word in unknown {
-        note(format!("option {word} of map_Kd is not known; texture {} is used without it", quote(&map.path)));
+        note(format!("option {word} of {statement} is not known; texture {} is used without it", quote(&map.path)));
     }
     Some(map)
 }
@@ -109,7 +124,7 @@ pub(super) fn read(arguments: &str, (library, line): (&str, u32), note: &mut imp
 /// Reads up to `most` numbers into the field of `option`, and gives what follows them.
 fn read_numbers<'a>(
     map: &mut TextureMap,
-    option: &str,
+    (statement, option): (&str, &str),
     most: usize,
     arguments: &'a str,
     note: &mut impl FnMut(String),
@@ -125,7 +140,7 @@ fn read_numbers<'a>(
         rest = behind;
     }
     if count == 0 {
-        note(format!("map_Kd: option {option} has no number; it is skipped"));
+        note(format!("{statement}: option {option} has no number; it is skipped"));
         return rest;
     }
     match option {

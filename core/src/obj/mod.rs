@@ -22,7 +22,7 @@ use std::io::Read;
 use crate::Mesh;
 use crate::mtl::{MOST_MATERIALS, Materials, NamedMaterial};
 use crate::text::{Notes, decode, path, quote};
-use crate::texture::Texture;
+use crate::texture::Maps;
 use crate::triangulate::Triangulator;
 
 pub use crate::text::Note as Warning;
@@ -47,7 +47,7 @@ pub struct Model {
     /// is called that already). So no id depends on the order of the faces. Names are unique.
     pub materials: Vec<NamedMaterial>,
     /// Their textures, by id; empty until [`Model::load_textures`] (feature `images`) has read them.
-    pub textures: Vec<Option<Texture>>,
+    pub textures: Vec<Maps>,
     /// Polygons read.
     pub faces: usize,
     /// What was not as it should be and did not stop the import.

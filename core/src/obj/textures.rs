@@ -1,8 +1,8 @@
 //! The pictures that materials name: found, decoded, laid on their materials.
 //!
-//! In: a model and a way to find files. Out: a texture a material, and warnings. A picture that is missing or damaged is
-//! grey with one warning, however many materials name it; a path is tried relative to its library, then to the OBJ, then as
-//! a name beside either, as absolute paths of another machine are.
+//! In: a model and a way to find files. Out: the textures of each material, and warnings. A picture that is missing or
+//! damaged is one warning, however many materials name it, and what it would colour is grey; a path is tried relative to
+//! its library, then to the OBJ, then as a name beside either, as absolute paths of another machine are.
 
 use alloc::borrow::ToOwned;
 use alloc::format;
@@ -15,56 +15,106 @@ use super::{Model, Warning};
 use crate::material::Material;
 use crate::mtl::TextureMap;
 use crate::text::quote;
-use crate::texture::{Image, Texture, decode};
+use crate::texture::{Image, Maps, Texture, decode};
+
+/// Pictures by their paths; `None` for those that cannot be had.
+struct Pictures<R> {
+    resolve: R,
+    known: HashMap<String, Option<Arc<Image>>>,
+}
 
 impl Model {
-    /// Reads the textures of the materials that triangles use, and marks these materials
+    /// Reads the textures of the materials that triangles use, and marks materials with a colour of their own
     /// [`textured`](Material::textured). `resolve` gives the bytes of a file by its path (with `/` between folders,
     /// relative to the OBJ), or `None` if there is no such file. What is not as it should be becomes a warning.
-    pub fn load_textures(&mut self, mut resolve: impl FnMut(&str) -> Option<Vec<u8>>) {
+    pub fn load_textures(&mut self, resolve: impl FnMut(&str) -> Option<Vec<u8>>) {
         let used: HashSet<u16> = self.triangle_materials.iter().copied().collect();
-        let mut images = HashMap::new();
+        let mut pictures = Pictures { resolve, known: HashMap::new() };
+        let has_uvs = !self.uvs.is_empty();
         let mut textures = Vec::new();
         for (id, named) in self.materials.iter_mut().enumerate() {
-            textures.push(None);
-            let Some(map) = named.map_kd.as_ref().filter(|_| used.contains(&(id as u16))) else { continue };
-            let mut note = |message| {
+            let mut maps = Maps::default();
+            let mut note = |map: &TextureMap, message| {
                 self.warnings.push(Warning { file: map.library.clone(), line: map.line, message });
             };
-            let picture = format!("texture {}", quote(&map.path));
-            if self.uvs.is_empty() {
-                note(format!("{picture} is not drawn: the faces have no texture coordinates (vt)"));
-                continue;
+            let is_used = used.contains(&(id as u16));
+            if let Some(map) = named.map_kd.as_ref().filter(|_| is_used) {
+                let material = &mut named.material;
+                maps.diffuse = match pictures.texture(map, has_uvs, "what it would colour is drawn grey", &mut note) {
+                    Found::Texture(texture) => {
+                        if material.diffuse == [0.0; 3] {
+                            let path = quote(&map.path);
+                            note(map, format!("Kd 0 0 0 would make texture {path} black; Kd 1 1 1 is used instead"));
+                            material.diffuse = [1.0; 3];
+                        }
+                        material.textured = true;
+                        Some(texture)
+                    }
+                    Found::Lost => {
+                        material.diffuse = Material::GREY.diffuse;
+                        None
+                    }
+                    Found::Useless => None,
+                };
             }
-            let image = images.entry(map.path.clone()).or_insert_with(|| {
-                let image = find(map, &mut resolve);
-                image.map_err(|why| note(format!("{picture} {why}; what it would colour is drawn grey"))).ok()
-            });
-            let material = &mut named.material;
-            let Some(image) = image else {
-                material.diffuse = Material::GREY.diffuse;
-                continue;
-            };
-            if material.diffuse == [0.0; 3] {
-                note(format!("Kd 0 0 0 would make {picture} black; it is drawn as if Kd were 1 1 1"));
-                material.diffuse = [1.0; 3];
+            if let Some(map) = named.map_d.as_ref().filter(|_| is_used)
+                && let Found::Texture(texture) =
+                    pictures.texture(map, has_uvs, "nothing is cut out of its surfaces", &mut note)
+            {
+                maps.dissolve = Some(texture);
             }
-            material.textured = true;
-            textures[id] = Some(Texture::new(image.clone(), map.placement));
+            textures.push(maps);
         }
         self.textures = textures;
     }
 }
 
-/// Decodes the picture, or says why it cannot.
-fn find(map: &TextureMap, resolve: &mut impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Arc<Image>, String> {
-    let folder = map.library.rfind('/').map_or("", |end| &map.library[..=end]);
-    let name = map.path.rsplit('/').next().unwrap_or(&map.path);
-    let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
-    let bytes = places.iter().enumerate().find_map(|(i, place)| {
-        // The same place is not asked for twice.
-        if places[..i].contains(place) { None } else { resolve(place) }
-    });
-    let bytes = bytes.ok_or("is not there")?;
-    decode(&map.path, &bytes).map(Arc::new).map_err(|why| format!("cannot be read: {why}"))
+/// What became of a texture.
+enum Found {
+    Texture(Texture),
+    /// Its picture cannot be had.
+    Lost,
+    /// There are no coordinates to draw it by.
+    Useless,
+}
+
+impl<R: FnMut(&str) -> Option<Vec<u8>>> Pictures<R> {
+    /// The texture of a statement; a picture that cannot be had is noted once, with what comes of it.
+    fn texture(
+        &mut self,
+        map: &TextureMap,
+        has_uvs: bool,
+        instead: &str,
+        note: &mut impl FnMut(&TextureMap, String),
+    ) -> Found {
+        let picture = format!("texture {}", quote(&map.path));
+        if !has_uvs {
+            note(map, format!("{picture} is not used: the faces have no texture coordinates (vt)"));
+            return Found::Useless;
+        }
+        if !self.known.contains_key(&map.path) {
+            let image = self.find(map);
+            if let Err(why) = &image {
+                note(map, format!("{picture} {why}; {instead}"));
+            }
+            self.known.insert(map.path.clone(), image.ok());
+        }
+        match &self.known[&map.path] {
+            Some(image) => Found::Texture(Texture::new(image.clone(), map.placement)),
+            None => Found::Lost,
+        }
+    }
+
+    /// Finds and decodes a picture, or says why it cannot.
+    fn find(&mut self, map: &TextureMap) -> Result<Arc<Image>, String> {
+        let folder = map.library.rfind('/').map_or("", |end| &map.library[..=end]);
+        let name = map.path.rsplit('/').next().unwrap_or(&map.path);
+        let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
+        let bytes = places.iter().enumerate().find_map(|(i, place)| {
+            // The same place is not asked for twice.
+            if places[..i].contains(place) { None } else { (self.resolve)(place) }
+        });
+        let bytes = bytes.ok_or("is not there")?;
+        decode(&map.path, &bytes).map(Arc::new).map_err(|why| format!("cannot be read: {why}"))
+    }
 }

@@ -72,8 +72,10 @@ impl core::error::Error for ImageError {}
 pub struct Image {
     /// The picture itself first.
     levels: Vec<Level>,
-    /// Of all levels, row by row from the top: sRGB, red in the lowest byte; the highest is not read.
+    /// Of all levels, row by row from the top: sRGB, red in the lowest byte, opacity in the highest.
     pixels: Vec<u32>,
+    /// Whether a pixel is not opaque.
+    has_opacity: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -90,6 +92,7 @@ impl Image {
         if expected != found || found == 0 {
             return Err(ImageError::Size { expected: expected.max(1), found });
         }
+        let has_opacity = pixels.iter().any(|pixel| pixel >> 24 != 255);
         let mut levels = Vec::new();
         let mut level = Level { width, height, start: 0 };
         let missing = |bytes| move |_| ImageError::Memory { bytes };
@@ -98,7 +101,7 @@ impl Image {
         loop {
             levels.push(level);
             if level.width == 1 && level.height == 1 {
-                return Ok(Image { levels, pixels });
+                return Ok(Image { levels, pixels, has_opacity });
             }
             let half =
                 Level { width: (level.width / 2).max(1), height: (level.height / 2).max(1), start: pixels.len() };
@@ -131,20 +134,31 @@ fn covered(at: u32, half: u32, whole: u32) -> core::ops::Range<u32> {
     edge(at)..edge(at + 1)
 }
 
-/// The mean of some pixels of a level in linear light.
+/// The mean of some pixels of a level, colours in linear light.
 fn mean(pixels: &[u32], level: &Level, columns: core::ops::Range<u32>, rows: core::ops::Range<u32>) -> u32 {
     let count = (columns.len() * rows.len()) as u32;
-    let mut sums = [count / 2; 3];
+    let mut sums = [count / 2; 4];
     for y in rows {
         for x in columns.clone() {
             let pixel = pixels[level.start + y as usize * level.width as usize + x as usize].to_le_bytes();
             for i in 0..3 {
                 sums[i] += u32::from(color::LINEAR[usize::from(pixel[i])]);
             }
+            sums[3] += u32::from(pixel[3]);
         }
     }
-    let [r, g, b] = sums.map(|sum| color::linear_to_srgb8(sum / count));
-    u32::from_le_bytes([r, g, b, 255])
+    let [r, g, b, opacity] = sums.map(|sum| sum / count);
+    let [r, g, b] = [r, g, b].map(color::linear_to_srgb8);
+    u32::from_le_bytes([r, g, b, opacity as u8])
+}
+
+/// The textures of a material.
+#[derive(Clone, Debug, Default)]
+pub struct Maps {
+    /// map_Kd: the colour of its voxels.
+    pub diffuse: Option<Texture>,
+    /// map_d: where it has voxels at all. A voxel that the surface fills by less than half is left empty.
+    pub dissolve: Option<Texture>,
 }
 
 /// A picture as it lies on the surfaces of a material.
@@ -201,16 +215,34 @@ impl Texture {
     /// The linear colour at a place (as [`Texture::to_pixels`] gives it), blended from four pixels of a halving; of the
     /// last one if there is none of that number.
     pub fn read(&self, place: [f64; 2], level: usize) -> [f64; 3] {
+        self.blend(place, level, |[r, g, b, _]| [r, g, b].map(|byte| self.light[usize::from(byte)]))
+    }
+
+    /// How much of the surface is there at a place, 0 to 1: the picture's opacity, or if it is opaque everywhere its
+    /// brightness.
+    pub fn opacity(&self, place: [f64; 2], level: usize) -> f64 {
+        let Placement { base, gain, .. } = self.placement;
+        let [opacity] = self.blend(place, level, |[r, g, b, opacity]| {
+            let brightness = (f64::from(r) + f64::from(g) + f64::from(b)) / 3.0;
+            let value = if self.image.has_opacity { f64::from(opacity) } else { brightness };
+            [(f64::from(base) + f64::from(gain) * value / 255.0).clamp(0.0, 1.0)]
+        });
+        opacity
+    }
+
+    /// The blend of what the four pixels around a place stand for.
+    #[inline]
+    fn blend<const N: usize>(&self, place: [f64; 2], level: usize, value: impl Fn([u8; 4]) -> [f64; N]) -> [f64; N] {
         let levels = &self.image.levels;
         let Level { width, height, start } = levels[level.min(levels.len() - 1)];
         let x = Neighbours::of(place[0] / f64::from(levels[0].width), width, self.placement.clamp);
         let y = Neighbours::of(place[1] / f64::from(levels[0].height), height, self.placement.clamp);
-        let mut sum = [0.0; 3];
+        let mut sum = [0.0; N];
         for (row, share_of_row) in y.pixels {
             for (column, share) in x.pixels {
                 let pixel = self.image.pixels[start + row as usize * width as usize + column as usize].to_le_bytes();
-                for i in 0..3 {
-                    sum[i] += share_of_row * share * self.light[usize::from(pixel[i])];
+                for (sum, value) in sum.iter_mut().zip(value(pixel)) {
+                    *sum += share_of_row * share * value;
                 }
             }
         }

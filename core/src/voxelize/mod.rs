@@ -20,7 +20,7 @@ use crate::grid::{Grid, GridError};
 use crate::material::MaterialId;
 use crate::mesh::{Mesh, MeshError};
 use crate::morton::Morton;
-use crate::texture::Texture;
+use crate::texture::Maps;
 use prism::{Prism, Verdict};
 
 /// Which voxels a triangle marks.
@@ -71,7 +71,7 @@ pub struct Voxelizer<'m> {
     grid: Grid,
     cover: Cover,
     /// By material.
-    textures: &'m [Option<Texture>],
+    textures: &'m [Maps],
     /// Snapped positions; 0 for vertices that no triangle uses.
     snapped: Vec<[i32; 3]>,
     /// Level of the subtrees: each spans `2^level` voxels.
@@ -135,13 +135,13 @@ impl<'m> Voxelizer<'m> {
     }
 
     /// With the textures of the materials, by id; those beyond the end have none.
-    pub fn with_textures(self, textures: &'m [Option<Texture>]) -> Voxelizer<'m> {
+    pub fn with_textures(self, textures: &'m [Maps]) -> Voxelizer<'m> {
         Voxelizer { textures, ..self }
     }
 
-    /// Whether a material has a texture.
+    /// Whether a material has a texture that colours its voxels.
     pub fn is_textured(&self, material: MaterialId) -> bool {
-        self.textures.get(usize::from(material)).is_some_and(Option::is_some)
+        self.textures.get(usize::from(material)).is_some_and(|maps| maps.diffuse.is_some())
     }
 
     /// Calls `each` with every triangle and every subtree that it can mark (its code in units of subtrees).

@@ -90,21 +90,17 @@ impl Voxelizer<'_> {
     /// Calls `each` with every marked voxel's bit and its owner, in Morton order.
     pub fn owners(&self, subtree: usize, brick: &Marked<'_>, mut each: impl FnMut(u32, Owner)) {
         let base = Morton(self.subtree_code(subtree).0 | brick.code.0).decode().map(i64::from);
-        let center = |bit| {
-            let cell = cell_of(bit);
-            core::array::from_fn(|i| SUB * (base[i] + cell[i] as i64) + SUB / 2)
-        };
         let mut best: [Option<(f64, Plane, u32)>; 64] = [None; 64];
         for &(triangle, mask) in brick.triangles {
             let plane = self.plane(triangle);
             for bit in bits(mask) {
-                let distance = plane.distance(center(bit));
+                let distance = plane.distance(center(base, bit));
                 let nearer = match &best[bit] {
                     None => true,
                     Some((d, other, owner)) if distance == *d => match plane.before(other) {
                         // Of one plane and material: which of them it is matters to textures only.
                         Ordering::Equal => {
-                            self.texture(triangle).is_some() && self.shows_before(triangle, *owner, center(bit))
+                            self.texture(triangle).is_some() && self.shows_before(triangle, *owner, center(base, bit))
                         }
                         order => order.is_lt(),
                     },
@@ -123,14 +119,20 @@ impl Voxelizer<'_> {
                     Some(paint) => last.insert(paint),
                     None => last.insert((triangle, self.paint(triangle))),
                 };
-                each(bit as u32, Owner { material, normal, color: paint.as_ref().map(|p| p.color(center(bit))) });
+                each(bit as u32, Owner { material, normal, color: paint.as_ref().map(|p| p.color(center(base, bit))) });
             }
         }
     }
 }
 
+/// Centre of a voxel of the brick whose first voxel is `first`, in 1/256 voxels.
+pub(super) fn center(first: [i64; 3], bit: usize) -> [i64; 3] {
+    let cell = cell_of(bit);
+    core::array::from_fn(|i| SUB * (first[i] + cell[i] as i64) + SUB / 2)
+}
+
 /// The set bits of a mask, ascending.
-fn bits(mask: u64) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mask: u64) -> impl Iterator<Item = usize> {
     let mut left = mask;
     core::iter::from_fn(move || {
         let bit = left.trailing_zeros() as usize;

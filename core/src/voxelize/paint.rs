@@ -7,16 +7,14 @@
 //! colour depends neither on the order of vertices nor on that of triangles.
 
 use super::Voxelizer;
+use super::owner::{bits, center};
 use crate::color;
 use crate::grid::SUB;
 use crate::math;
-use crate::texture::Texture;
+use crate::texture::{Maps, Texture};
 
 /// Most places along a side of the square.
 const MOST: u32 = 8;
-
-/// The colour where a triangle has no texture coordinates.
-const WHITE: [u8; 3] = [255; 3];
 
 /// A triangle under its texture; lengths in voxels.
 struct Patch {
@@ -30,9 +28,21 @@ struct Patch {
 }
 
 impl Voxelizer<'_> {
-    /// The texture of a triangle's material.
+    /// The textures of a triangle's material.
+    fn maps(&self, triangle: u32) -> Option<&Maps> {
+        self.textures.get(usize::from(self.mesh.material(triangle as usize)))
+    }
+
+    /// The texture that colours a triangle.
     pub(super) fn texture(&self, triangle: u32) -> Option<&Texture> {
-        self.textures.get(usize::from(self.mesh.material(triangle as usize)))?.as_ref()
+        self.maps(triangle)?.diffuse.as_ref()
+    }
+
+    /// Of the voxels of a brick, the first of which is `first`, those that the triangle fills by half or more.
+    pub(super) fn filled(&self, triangle: u32, first: [i64; 3], marked: u64) -> u64 {
+        let Some(texture) = self.maps(triangle).and_then(|maps| maps.dissolve.as_ref()) else { return marked };
+        let paint = self.lay(triangle, texture);
+        bits(marked).filter(|bit| paint.opacity(center(first, *bit)) >= 0.5).fold(0, |mask, bit| mask | 1 << bit)
     }
 
     /// Corners of a triangle with their texture coordinates, in the order of their positions.
@@ -69,26 +79,39 @@ impl Voxelizer<'_> {
 
     /// What colours the voxels that `triangle` owns; `None` without a texture.
     pub(super) fn paint(&self, triangle: u32) -> Option<Paint<'_>> {
-        let texture = self.texture(triangle)?;
+        Some(self.lay(triangle, self.texture(triangle)?))
+    }
+
+    /// Lays a texture on a triangle.
+    fn lay<'a>(&self, triangle: u32, texture: &'a Texture) -> Paint<'a> {
         let patch = self.patch(triangle);
         let has_uvs = patch.uvs.as_flattened().iter().all(|x| x.is_finite());
         let mut paint = Paint { texture, patch, has_uvs, tangents: [[0.0; 3]; 2], counts: [1; 2], level: 0 };
-        let Some(tangents) = paint.patch.tangents() else { return Some(paint) };
+        let Some(tangents) = paint.patch.tangents() else { return paint };
 
-        // How many pixels of the picture a voxel is wide; the map is the same everywhere on the triangle.
+        // Turn the square so that its sides are those along which the picture is finest and coarsest, and find out how many
+        // pixels wide it is there; the map is the same everywhere on the triangle.
         let corner = paint.patch.corner;
         let here = paint.place(paint.patch.weights(corner));
-        let wide = tangents.map(|tangent| {
+        let [u, v] = tangents.map(|tangent| {
             let there = paint.place(paint.patch.weights(math::add_scaled(corner, tangent, 1.0)));
-            let [x, y] = [there[0] - here[0], there[1] - here[1]];
-            math::sqrt(x * x + y * y)
+            [there[0] - here[0], there[1] - here[1]]
         });
-        let (across, along) = (wide[0].min(wide[1]), wide[0].max(wide[1]));
-        paint.level = texture.level((0.5 * across).max(0.5 * along / f64::from(MOST)));
+        let product = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let (uu, uv, vv) = (product(u, u), product(u, v), product(v, v));
+        let half = 0.5 * (uu - vv);
+        let spread = math::sqrt(half * half + uv * uv);
+        let along = if half > 0.0 { [half + spread, uv, 0.0] } else { [uv, spread - half, 0.0] };
+        let [x, y, _] = math::normalize(along).unwrap_or([1.0, 0.0, 0.0]);
+        let turned = |x: f64, y: f64| math::add_scaled(tangents[0].map(|t| x * t), tangents[1], y);
+        let (finest, coarsest) = (0.5 * (uu + vv) + spread, (0.5 * (uu + vv) - spread).max(0.0));
+        let wide = [finest, coarsest].map(math::sqrt);
+
+        paint.level = texture.level((0.5 * wide[1]).max(0.5 * wide[0] / f64::from(MOST)));
         let pixels = f64::from(2u32 << paint.level);
         paint.counts = wide.map(|wide| ((wide / pixels) as u32).saturating_add(1).min(MOST));
-        paint.tangents = tangents;
-        Some(paint)
+        paint.tangents = [turned(x, y), turned(-y, x)];
+        paint
     }
 }
 
@@ -109,31 +132,42 @@ impl Paint<'_> {
         self.texture.to_pixels(self.patch.uv(weights))
     }
 
-    /// The colour of the voxel around `center` (in 1/256 voxels).
+    /// The colour of the voxel around `center` (in 1/256 voxels); white without texture coordinates.
     pub(super) fn color(&self, center: [i64; 3]) -> [u8; 3] {
+        let linear = self.mean(center, |place| self.texture.read(place, self.level)).unwrap_or([1.0; 3]);
+        linear.map(|x| color::linear_to_srgb8(color::quantize(x as f32)))
+    }
+
+    /// How much of the surface is in the voxel around `center`, 0 to 1; all of it without texture coordinates.
+    fn opacity(&self, center: [i64; 3]) -> f64 {
+        self.mean(center, |place| [self.texture.opacity(place, self.level)]).map_or(1.0, |[opacity]| opacity)
+    }
+
+    /// The mean of what is read in a voxel; `None` without texture coordinates.
+    #[inline]
+    fn mean<const N: usize>(&self, center: [i64; 3], read: impl Fn([f64; 2]) -> [f64; N]) -> Option<[f64; N]> {
         if !self.has_uvs {
-            return WHITE;
+            return None;
         }
         let nearest = self.patch.nearest(center.map(|x| x as f64 / SUB as f64));
-        let at_nearest = || self.texture.read(self.place(nearest), self.level);
         let [columns, rows] = self.counts;
         if columns * rows == 1 {
-            return encoded(at_nearest());
+            return Some(read(self.place(nearest)));
         }
         let middle = self.patch.at(nearest);
         let offset = |i: u32, count: u32| (f64::from(i) + 0.5) / f64::from(count) - 0.5;
-        let (mut sum, mut count) = ([0.0; 3], 0);
+        let (mut sum, mut count) = ([0.0; N], 0);
         for row in 0..rows {
             let line = math::add_scaled(middle, self.tangents[1], offset(row, rows));
             for column in 0..columns {
                 let weights = self.patch.weights(math::add_scaled(line, self.tangents[0], offset(column, columns)));
                 if weights.iter().all(|w| *w >= 0.0) {
-                    sum = math::add_scaled(sum, self.texture.read(self.place(weights), self.level), 1.0);
+                    sum.iter_mut().zip(read(self.place(weights))).for_each(|(sum, value)| *sum += value);
                     count += 1;
                 }
             }
         }
-        encoded(if count == 0 { at_nearest() } else { sum.map(|x| x / f64::from(count)) })
+        Some(if count == 0 { read(self.place(nearest)) } else { sum.map(|x| x / f64::from(count)) })
     }
 }
 
@@ -141,11 +175,6 @@ impl Paint<'_> {
 fn order(x: f32) -> i32 {
     let bits = x.to_bits() as i32;
     if bits < 0 { bits ^ i32::MAX } else { bits }
-}
-
-/// A linear colour in sRGB bytes.
-fn encoded(linear: [f64; 3]) -> [u8; 3] {
-    linear.map(|x| color::linear_to_srgb8(color::quantize(x as f32)))
 }
 
 impl Patch {
