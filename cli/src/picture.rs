@@ -278,7 +278,7 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         arithmetic: args.arithmetic.kind(),
         ambient: args.lighting.ambient(),
         background: args.lighting.background(),
-        effects: args.effects,
+        effects: args.effects(),
         ..Settings::default()
     })
 }

@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use serde::Serialize;
 use voxdag::demo;
-use voxdag::effects::Effects;
 use voxdag::shade::LightKind;
 
 use crate::error::{Error, Result};
@@ -134,7 +133,7 @@ pub fn view() -> PictureArgs {
         samples: None,
         supersample: None,
         arithmetic: ArithmeticArg::default(),
-        effects: Effects::ALL,
+        effects: None,
         lod: 0,
     }
 }

@@ -262,7 +262,8 @@ fn draw(
     }
     check_cameras(shots, scene, view)?;
     let lighting = view.lighting(&args.picture.lighting);
-    let lit = PictureArgs { camera: shots[0].camera.clone(), lighting, ..args.picture.clone() };
+    let effects = args.picture.effects.or(view.effects);
+    let lit = PictureArgs { camera: shots[0].camera.clone(), lighting, effects, ..args.picture.clone() };
     let goal = match (args.budget, args.target_error) {
         (Some(budget), _) => Some(Goal::Seconds(budget.as_secs_f64())),
         (None, error) => error.map(Goal::Error),

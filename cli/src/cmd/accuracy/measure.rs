@@ -171,7 +171,7 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
             supersample: None,
             arithmetic: ArithmeticArg::default(),
             // What the mesh's own picture has.
-            effects: Effects::PHONG.union(Effects::SHADOWS),
+            effects: Some(Effects::PHONG.union(Effects::SHADOWS)),
             lod: 0,
         })
     };

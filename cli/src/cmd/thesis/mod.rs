@@ -161,7 +161,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             samples: None,
             supersample: None,
             arithmetic: ArithmeticArg::default(),
-            effects: Effects::PHONG,
+            effects: Some(Effects::PHONG),
             lod: 0,
         };
         for &resolution in &resolutions {
