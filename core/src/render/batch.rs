@@ -225,6 +225,7 @@ impl Batch {
         if waiting == 0 {
             return;
         }
+        K::follows(&self.rays[..waiting], false);
         view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
         for ray in 0..waiting {
             self.above[usize::from(self.waiting[ray].0)] = !self.blocked[ray];
@@ -271,6 +272,7 @@ impl Batch {
             return;
         }
         counters.shadow += waiting as u64;
+        K::follows(&self.rays[..waiting], true);
         let start = K::now();
         view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
         counters.shadow_time += kernel::since::<K>(start);

@@ -9,6 +9,7 @@ use core::ops::Deref;
 
 use super::Settings;
 use crate::effects::Effects;
+use crate::trace::Query;
 
 /// The effects that code is compiled for: a set of one's own, or one of those below.
 ///
@@ -31,6 +32,10 @@ pub trait Kernel {
     fn now() -> u64 {
         0
     }
+
+    /// Told of rays that are about to be followed to anything in their way: to lights, or the short ones to where those start.
+    #[inline(always)]
+    fn follows(_rays: &[Query], _to_light: bool) {}
 }
 
 /// What no ray but the camera's is needed for: highlights, and light of its own.

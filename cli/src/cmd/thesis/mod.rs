@@ -162,6 +162,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             supersample: None,
             arithmetic: ArithmeticArg::default(),
             effects: Some(Effects::PHONG),
+            lift: None,
             lod: 0,
         };
         for &resolution in &resolutions {
