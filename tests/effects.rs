@@ -42,6 +42,15 @@ impl Materials for Placed {
     fn normal(&self, _: Morton) -> Option<[f32; 3]> {
         None
     }
+
+    fn color(&self, voxel: Morton) -> Option<[u8; 3]> {
+        Some(color_of(voxel.decode()))
+    }
+}
+
+/// The colour of each voxel's texture.
+fn color_of(voxel: [u32; 3]) -> [u8; 3] {
+    voxel.map(|c| (c * 67 % 256) as u8)
 }
 
 type IsFilled<'a> = &'a dyn Fn([u32; 3]) -> bool;
@@ -485,6 +494,31 @@ fn glass_lets_coloured_light_through_its_shadow() {
     }
 }
 
+/// Ka and Kd of a textured material are multiplied by the colour of each voxel, in linear light.
+#[test]
+fn textures_color_what_is_matte() {
+    let material = Material { ambient: [0.5, 0.25, 1.0], textured: true, ..DARK };
+    let scene = Scene::new(|v| v[1] == 10, |_| 0, &[material], [[30.0, 60.0, 95.0], [31.0, 10.0, 32.0]]);
+    let settings = settings(NormalKind::Face);
+    let (found, counters) = scene.drawn(&settings);
+    let mut hits = 0;
+    for (i, (_, hit)) in scene.seen().into_iter().enumerate() {
+        let Some(hit) = hit else { continue };
+        hits += 1;
+        let texel = color_of(hit.voxel.decode()).map(|byte| {
+            let s = f64::from(byte) / 255.0;
+            if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) }
+        });
+        let expected = [0, 1, 2].map(|k| material.ambient[k] * texel[k] as f32);
+        assert!(is_color(found[i], expected), "{hit:?}");
+    }
+    assert!(hits > 1000 && counters.textures == hits, "{hits} {counters:?}");
+    // As it is without the texture, where nobody asks for it.
+    let plain = Scene { palette: vec![Material { textured: false, ..material }], ..scene };
+    assert_eq!(Effects::needed(&plain.palette, &[]), Effects::NONE);
+    assert_eq!(plain.drawn(&settings).1.textures, 0);
+}
+
 /// A palette that calls for everything, and a scene of small things in front of a floor.
 fn everything(rng: &mut Rng) -> Scene {
     let mut color = |most: f64| [0; 3].map(|_| rng.uniform(0.0, most) as f32);
@@ -500,6 +534,7 @@ fn everything(rng: &mut Rng) -> Scene {
             opacity: 0.4,
             refraction: 1.4,
             illum,
+            textured: illum % 2 == 0,
         });
     }
     // Blocks of 3^3 voxels.
@@ -534,7 +569,11 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let (picture, off) = with(Effects::ALL.difference(effect));
         assert!(picture != full, "{effect:?} shows nowhere");
         let (_, on) = with(effect);
-        let rays = [(Effects::SPECULAR, [off.highlights, on.highlights]), (Effects::SHADOWS, [off.shadow, on.shadow])];
+        let rays = [
+            (Effects::SPECULAR, [off.highlights, on.highlights]),
+            (Effects::SHADOWS, [off.shadow, on.shadow]),
+            (Effects::TEXTURES, [off.textures, on.textures]),
+        ];
         for (what, [off, on]) in rays {
             assert_eq!((off > 0, on > 0), (what != effect, what == effect), "{effect:?}: {what:?}");
         }
@@ -554,7 +593,8 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let changed = Scene { palette, lights, words: scene.words.clone(), ..scene };
         (changed.drawn(&settings(NormalKind::Plane1)), Effects::needed(&changed.palette, &changed.lights))
     };
-    let cases: [(Effects, Change, bool); 5] = [
+    let cases: [(Effects, Change, bool); 6] = [
+        (Effects::TEXTURES, |m| m.textured = false, true),
         (Effects::SHADOWS, |_| (), false),
         (Effects::EMISSION, |m| m.emission = BLACK, true),
         (Effects::REFRACTION, |m| m.refraction = 1.0, true),
@@ -590,6 +630,9 @@ fn more_than_is_needed_changes_nothing() {
             if set & 8 == 0 {
                 material.specular = BLACK;
             }
+            if set & 32 == 0 {
+                material.textured = false;
+            }
         }
         scene.lights[0].shadow = set & 16 != 0;
         let settings = settings([NormalKind::Face, NormalKind::Plane2][round % 2]);
@@ -599,6 +642,7 @@ fn more_than_is_needed_changes_nothing() {
 
         // A material that no voxel has, and a black light, call for all the rest.
         let full = Material { specular: WHITE, emission: WHITE, opacity: 0.5, refraction: 2.0, illum: 7, ..DARK };
+        let full = Material { textured: true, ..full };
         scene.palette.push(full);
         scene.lights.push(Light { kind: LightKind::Point([0.0; 3]), color: BLACK, shadow: true });
         assert_eq!(Effects::needed(&scene.palette, &scene.lights), Effects::ALL);

@@ -19,7 +19,7 @@ use voxdag::trace::{Face, Hit, Query, Tracer};
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::options::PictureArgs;
-use crate::picture::{self, Picture, Rays, Shown};
+use crate::picture::{self, CostMs, Picture, Rays, Shown};
 use crate::scene;
 
 /// What a picture shows.
@@ -107,6 +107,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
         hits,
         supersampled: 0.0,
         effects: Effects::NONE,
+        cost: CostMs::default(),
         derive: Duration::ZERO,
         trace,
     };

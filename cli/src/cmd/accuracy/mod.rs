@@ -19,7 +19,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::demo;
+use super::demo::{self, DemoScene};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::memory::Memory;
@@ -147,7 +147,7 @@ fn write_all(args: &Args) -> Result<Report> {
                 std::fs::write(&path, text).map_err(|cause| Error::write(&path, cause))?;
             }
             let source = scene::import_file(&path, input::read_mesh(&path, &mut memory)?, false, &mut memory)?;
-            let usual = demo::view();
+            let usual = demo::view(DemoScene::Hall);
             let (camera, lighting) = (camera.or(&usual.camera), lighting.or(&usual.lighting));
             against_mesh(args, &source, &path, (&camera, &lighting), &mut memory)?
         }

@@ -161,7 +161,8 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             samples: None,
             supersample: None,
             arithmetic: ArithmeticArg::default(),
-            effects: Effects::PHONG,
+            effects: Some(Effects::PHONG),
+            lift: None,
             lod: 0,
         };
         for &resolution in &resolutions {
