@@ -69,7 +69,12 @@ pub fn import_file(path: &Path, text: Vec<u8>, textures: bool, memory: &mut Memo
     let before = memory.held() - text.len() as u64;
     afford_import(path, &text, memory)?;
     let mut beside = Companions::of(path, memory);
-    let source = import(path, &text, textures, |name| beside.resolve(name));
+    let source = import(path, &text, |name| beside.resolve(name)).and_then(|mut source| {
+        if textures {
+            load_textures(&mut source, &mut beside)?;
+        }
+        Ok(source)
+    });
     let files = beside.finish()?;
     let source = Source { files, ..source? };
     drop(text);
@@ -93,31 +98,46 @@ fn import_bytes(text: &[u8]) -> u64 {
 }
 
 /// Parses the text of a mesh; `resolve` gives the files that it names. Warnings go to stderr.
-pub fn import(
-    path: &Path,
-    text: &[u8],
-    textures: bool,
-    mut resolve: impl FnMut(&str) -> Option<Vec<u8>>,
-) -> Result<Source> {
+pub fn import(path: &Path, text: &[u8], resolve: impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Source> {
     let progress = Progress::stage("reading", 0);
-    let (model, parse_time) = stats::timed(|| {
-        let mut model = obj::import(text, &mut resolve)?;
-        if textures {
-            model.load_textures(&mut resolve);
-        }
-        Ok(model)
-    });
+    let (model, parse_time) = stats::timed(|| obj::import(text, resolve));
     drop(progress);
     let model = model.map_err(|ImportError(note)| Error::new(Kind::BadInput, place(path, &note)))?;
-    for note in model.warnings.iter().take(MAX_WARNINGS) {
-        report::warning(place(path, note));
-    }
-    if model.warnings.len() > MAX_WARNINGS {
-        let more = model.warnings.len() - MAX_WARNINGS;
-        report::warning(format_args!("{}: and {more} more", path.display()));
-    }
+    warn(path, &model.warnings);
     let bytes = bytes_of(&model);
     Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time, bytes })
+}
+
+/// Reads the pictures that the materials of a mesh name. Warnings go to stderr.
+fn load_textures(source: &mut Source, beside: &mut Companions<'_>) -> Result<()> {
+    let progress = Progress::stage("textures", 0);
+    let (known, limit) = (
+        source.model.warnings.len(),
+        beside.memory().left().map_or(u64::MAX, |left| left.saturating_sub(source.bytes)),
+    );
+    let (loaded, time) = stats::timed(|| source.model.load_textures(|name| beside.resolve(name), limit));
+    drop(progress);
+    if let Err(needed) = loaded {
+        let needed = needed.saturating_add(source.bytes);
+        let memory = beside.memory();
+        let hint =
+            format!("set --memory-limit to at least {}, or try --textures none", round_up(memory.held() + needed));
+        memory.afford(needed, &format!("reading the textures of {}", source.path.display()), &hint)?;
+    }
+    warn(&source.path, &source.model.warnings[known..]);
+    source.parse_time += time;
+    source.bytes = bytes_of(&source.model);
+    Ok(())
+}
+
+/// Prints the first warnings about the mesh at `path`, and how many there are more.
+fn warn(path: &Path, warnings: &[Warning]) {
+    for note in warnings.iter().take(MAX_WARNINGS) {
+        report::warning(place(path, note));
+    }
+    if warnings.len() > MAX_WARNINGS {
+        report::warning(format_args!("{}: and {} more", path.display(), warnings.len() - MAX_WARNINGS));
+    }
 }
 
 /// Lays the grid out as the flags say.

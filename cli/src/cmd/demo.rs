@@ -133,7 +133,7 @@ pub fn source(scene: DemoScene, memory: &mut Memory) -> Result<Source> {
     };
     let text_bytes = (text.len() + library.len()) as u64;
     scene::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;
-    let source = scene::import(Path::new("demo"), text.as_bytes(), false, |name| {
+    let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
         (name == library_name).then(|| library.clone().into_bytes())
     })?;
     memory.hold(source.bytes);

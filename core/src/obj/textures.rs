@@ -15,21 +15,25 @@ use super::{Model, Warning};
 use crate::material::Material;
 use crate::mtl::TextureMap;
 use crate::text::quote;
-use crate::texture::{Image, Maps, Texture, decode};
+use crate::texture::{DecodeError, Image, Maps, Texture, decode};
 
 /// Pictures by their paths; `None` for those that cannot be had.
 struct Pictures<R> {
     resolve: R,
     known: HashMap<String, Option<Arc<Image>>>,
+    /// Bytes that pictures may still take.
+    left: u64,
 }
 
 impl Model {
     /// Reads the textures of the materials that triangles use, and marks materials with a colour of their own
     /// [`textured`](Material::textured). `resolve` gives the bytes of a file by its path (with `/` between folders,
     /// relative to the OBJ), or `None` if there is no such file. What is not as it should be becomes a warning.
-    pub fn load_textures(&mut self, resolve: impl FnMut(&str) -> Option<Vec<u8>>) {
+    ///
+    /// Err: the bytes that pictures take at least, if that is more than `limit`; then there are no textures.
+    pub fn load_textures(&mut self, resolve: impl FnMut(&str) -> Option<Vec<u8>>, limit: u64) -> Result<(), u64> {
         let used: HashSet<u16> = self.triangle_materials.iter().copied().collect();
-        let mut pictures = Pictures { resolve, known: HashMap::new() };
+        let mut pictures = Pictures { resolve, known: HashMap::new(), left: limit };
         let has_uvs = !self.uvs.is_empty();
         let mut textures = Vec::new();
         for (id, named) in self.materials.iter_mut().enumerate() {
@@ -40,7 +44,8 @@ impl Model {
             let is_used = used.contains(&(id as u16));
             if let Some(map) = named.map_kd.as_ref().filter(|_| is_used) {
                 let material = &mut named.material;
-                maps.diffuse = match pictures.texture(map, has_uvs, "what it would colour is drawn grey", &mut note) {
+                let found = pictures.texture(map, has_uvs, "what it would colour is drawn grey", &mut note);
+                maps.diffuse = match found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
                     Found::Texture(texture) => {
                         if material.diffuse == [0.0; 3] {
                             let path = quote(&map.path);
@@ -57,15 +62,16 @@ impl Model {
                     Found::Useless => None,
                 };
             }
-            if let Some(map) = named.map_d.as_ref().filter(|_| is_used)
-                && let Found::Texture(texture) =
-                    pictures.texture(map, has_uvs, "nothing is cut out of its surfaces", &mut note)
-            {
-                maps.dissolve = Some(texture);
+            if let Some(map) = named.map_d.as_ref().filter(|_| is_used) {
+                let found = pictures.texture(map, has_uvs, "nothing is cut out of its surfaces", &mut note);
+                if let Found::Texture(texture) = found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
+                    maps.dissolve = Some(texture);
+                }
             }
             textures.push(maps);
         }
         self.textures = textures;
+        Ok(())
     }
 }
 
@@ -79,34 +85,42 @@ enum Found {
 }
 
 impl<R: FnMut(&str) -> Option<Vec<u8>>> Pictures<R> {
-    /// The texture of a statement; a picture that cannot be had is noted once, with what comes of it.
+    /// The texture of a statement; a picture that cannot be had is noted once, with what comes of it. Err: the bytes that its
+    /// picture takes, if they are too many.
     fn texture(
         &mut self,
         map: &TextureMap,
         has_uvs: bool,
         instead: &str,
         note: &mut impl FnMut(&TextureMap, String),
-    ) -> Found {
+    ) -> Result<Found, u64> {
         let picture = format!("texture {}", quote(&map.path));
         if !has_uvs {
             note(map, format!("{picture} is not used: the faces have no texture coordinates (vt)"));
-            return Found::Useless;
+            return Ok(Found::Useless);
         }
         if !self.known.contains_key(&map.path) {
-            let image = self.find(map);
-            if let Err(why) = &image {
-                note(map, format!("{picture} {why}; {instead}"));
-            }
-            self.known.insert(map.path.clone(), image.ok());
+            let image = match self.find(map) {
+                Ok(image) => {
+                    self.left = self.left.saturating_sub(image.bytes());
+                    Some(Arc::new(image))
+                }
+                Err(DecodeError::Limit { needed }) => return Err(needed),
+                Err(DecodeError::Picture(why)) => {
+                    note(map, format!("{picture} {why}; {instead}"));
+                    None
+                }
+            };
+            self.known.insert(map.path.clone(), image);
         }
-        match &self.known[&map.path] {
+        Ok(match &self.known[&map.path] {
             Some(image) => Found::Texture(Texture::new(image.clone(), map.placement)),
             None => Found::Lost,
-        }
+        })
     }
 
     /// Finds and decodes a picture, or says why it cannot.
-    fn find(&mut self, map: &TextureMap) -> Result<Arc<Image>, String> {
+    fn find(&mut self, map: &TextureMap) -> Result<Image, DecodeError> {
         let folder = map.library.rfind('/').map_or("", |end| &map.library[..=end]);
         let name = map.path.rsplit('/').next().unwrap_or(&map.path);
         let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
@@ -114,7 +128,10 @@ impl<R: FnMut(&str) -> Option<Vec<u8>>> Pictures<R> {
             // The same place is not asked for twice.
             if places[..i].contains(place) { None } else { (self.resolve)(place) }
         });
-        let bytes = bytes.ok_or("is not there")?;
-        decode(&map.path, &bytes).map(Arc::new).map_err(|why| format!("cannot be read: {why}"))
+        let bytes = bytes.ok_or_else(|| "is not there".to_owned())?;
+        decode(&map.path, &bytes, self.left).map_err(|error| match error {
+            DecodeError::Picture(why) => DecodeError::Picture(format!("cannot be read: {why}")),
+            over => over,
+        })
     }
 }

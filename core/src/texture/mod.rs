@@ -15,7 +15,7 @@ use alloc::vec::Vec;
 use crate::color;
 
 #[cfg(feature = "images")]
-pub use decode::{MAX_IMAGE_SIDE, decode};
+pub use decode::{DecodeError, MAX_IMAGE_SIDE, decode};
 
 /// How a picture lies on a surface, and how bright it is.
 #[derive(Clone, Copy, PartialEq, Debug)]
