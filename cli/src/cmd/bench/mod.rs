@@ -11,6 +11,7 @@ mod normals;
 mod packets;
 mod ranks;
 mod rays;
+mod textures;
 mod trace;
 
 use std::path::{Path, PathBuf};
@@ -59,6 +60,8 @@ enum Subject {
     Build(Run),
     /// Time and errors of the textbook methods beside the exact ones
     Accuracy(Run),
+    /// Size, loss and time of the colours of textures, in blocks and as they are
+    Textures(Run),
     /// Time of a picture with each effect and without, by each kernel, and of its shadow rays alone
     Effects(effects::Args),
 }
@@ -102,6 +105,7 @@ pub fn run(mut args: Args) -> Result<()> {
     | Subject::Ranks(run)
     | Subject::Build(run)
     | Subject::Accuracy(run)
+    | Subject::Textures(run)
     | Subject::Effects(effects::Args { run, .. })) = &mut args.subject;
     run.build.check()?;
     let view = View::read(&run.view)?;
@@ -116,6 +120,7 @@ pub fn run(mut args: Args) -> Result<()> {
         Subject::Materials(run) => input.with_scene(run, |scene| materials::run(run, scene)),
         Subject::Ranks(run) => input.with_scene(run, |scene| ranks::run(run, scene)),
         Subject::Build(run) => build::run(run, input.mesh(&run.input)?),
+        Subject::Textures(run) => textures::run(run, input.mesh(&run.input)?),
         Subject::Accuracy(run) => input.with_scene(run, |scene| accuracy::run(run, scene, input.mesh(&run.input).ok())),
         Subject::Effects(args) => {
             let mut lighting = view.lighting(&args.lighting);
