@@ -1,6 +1,6 @@
 #!/bin/sh
-# Code that a program links which names one kernel (docs/effects.md): bytes for x86-64 (.text) and for wasm32 (the code section's
-# file, all of it), by effects. The first line has everything but a renderer.
+# Code of a program that draws by one kernel, which it names, by what the kernel is for (docs/effects.md): bytes of .text on
+# x86-64 and of the whole file on wasm32. The first line is of one that traces and fits normals, without a renderer.
 set -eu
 cd "$(dirname "$0")/.."
 core=$PWD/core
@@ -14,8 +14,6 @@ version = "0.0.0"
 edition = "2024"
 [lib]
 crate-type = ["cdylib"]
-[features]
-drawing = []
 [dependencies]
 voxdag = { path = "$core", default-features = false }
 [profile.release]
@@ -24,16 +22,16 @@ codegen-units = 1
 panic = "abort"
 [workspace]
 EOF
-source() {
+program() {
     cat >"$work/src/lib.rs" <<EOF
 #![no_std]
 use voxdag::effects::Effects;
 use voxdag::normal::{Normal, NormalKind, normals};
 use voxdag::render::{Kernel, Settings, View, render_rows_by};
-use voxdag::trace::{Hit, Query};
+use voxdag::trace::{Arithmetic, Hit, Query, Tile};
 use voxdag::{Dag, Tree};
 
-struct Named;
+pub struct Named;
 impl Kernel for Named {
     const EFFECTS: Effects = Effects::NONE$1;
 }
@@ -41,15 +39,18 @@ impl Kernel for Named {
 /// What tracing and normals take without a renderer.
 #[unsafe(no_mangle)]
 pub fn traced(view: &View<'_, Tree<'_>, Dag<'_>>, rays: &[Query], hits: &mut [Option<Hit>], blocked: &mut [bool]) {
-    view.tracer.trace_many(voxdag::trace::Arithmetic::Exact, rays, hits);
-    view.tracer.occluded_many(voxdag::trace::Arithmetic::Exact, rays, blocked);
+    view.tracer.trace_many(Arithmetic::Exact, rays, hits);
+    view.tracer.occluded_many(Arithmetic::Exact, rays, blocked);
+}
+#[unsafe(no_mangle)]
+pub fn tile(view: &View<'_, Tree<'_>, Dag<'_>>, rays: &Tile<'_>, hits: &mut [Option<Hit>]) {
+    view.tracer.trace_tile(Arithmetic::Exact, rays, hits);
 }
 #[unsafe(no_mangle)]
 pub fn fitted(view: &View<'_, Tree<'_>, Dag<'_>>, hits: &[Hit], dirs: &[[f64; 3]], kind: NormalKind, out: &mut [Normal]) {
-    normals(None, &view.tracer, view.materials, hits, dirs, kind, out);
+    normals(view.tracer.level(), &view.tracer, view.materials, hits, dirs, kind, out);
 }
-#[cfg(feature = "drawing")]
-#[unsafe(no_mangle)]
+$2
 pub fn draw(view: &View<'_, Tree<'_>, Dag<'_>>, settings: &Settings, out: &mut [u32]) -> u64 {
     render_rows_by::<Named, _, _>(view, settings, 0..settings.height, out).map_or(0, |counters| counters.primary)
 }
@@ -62,21 +63,20 @@ EOF
 measure() {
     for target in x86_64-unknown-linux-gnu wasm32-unknown-unknown; do
         RUSTFLAGS="-C link-arg=$([ $target = wasm32-unknown-unknown ] && echo --strip-all || echo -nostartfiles)" \
-            cargo build -q --release --target $target --manifest-path "$work/Cargo.toml" --target-dir "$work/target" $1
+            cargo build -q --release --target $target --manifest-path "$work/Cargo.toml" --target-dir "$work/target"
     done
     text=$(size -A "$work/target/x86_64-unknown-linux-gnu/release/liblinked.so" | awk '$1 == ".text" { print $2 }')
     wasm=$(stat -c %s "$work/target/wasm32-unknown-unknown/release/linked.wasm")
 }
-source ""
-measure ""
-base_text=$text base_wasm=$wasm
-echo "no renderer: $text bytes, wasm $wasm"
+program "" ""
+measure
+echo "no renderer: $text, wasm $wasm"
 for set in "" "SPECULAR" "SPECULAR EMISSION" "SPECULAR SHADOWS" "SPECULAR EMISSION SHADOWS" "SPECULAR MIRROR" \
     "SPECULAR EMISSION SHADOWS MIRROR" "SPECULAR EMISSION SHADOWS TRANSPARENCY" \
     "SPECULAR EMISSION SHADOWS MIRROR TRANSPARENCY" "SPECULAR EMISSION SHADOWS MIRROR TRANSPARENCY REFRACTION"; do
     union=
     for effect in $set; do union="$union.union(Effects::$effect)"; done
-    source "$union"
-    measure "--features drawing"
-    echo "${set:-none}: $((text - base_text)) bytes, wasm $((wasm - base_wasm))"
+    program "$union" "#[unsafe(no_mangle)]"
+    measure
+    echo "${set:-none}: $text, wasm $wasm"
 done
