@@ -278,7 +278,8 @@ fn blocks_keep_colors_closely() {
     let mut rng = Rng::new(7);
     let mut noise = |most: u64| rng.below(most) as u8;
     let smooth = |i: u64| [i as u8 / 2, 60 + (i % 64) as u8, 200 - (i % 64) as u8];
-    let kinds: [(&str, f64, Box<dyn FnMut(u64) -> Option<[u8; 3]>>); 6] = [
+    type Kind<'a> = (&'a str, f64, Box<dyn FnMut(u64) -> Option<[u8; 3]> + 'a>);
+    let kinds: [Kind<'_>; 6] = [
         ("one colour", 1.1, Box::new(|_| Some([17, 18, 200]))),
         ("two colours", 2.1, Box::new(|i| Some(if i % 3 == 0 { [255, 0, 9] } else { [0, 90, 250] }))),
         ("smooth", 5.1, Box::new(move |i| Some(smooth(i)))),

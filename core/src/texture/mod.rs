@@ -9,6 +9,7 @@
 #[cfg(feature = "images")]
 mod decode;
 
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
@@ -167,7 +168,7 @@ pub struct Texture {
     image: Arc<Image>,
     placement: Placement,
     /// What each byte of the picture stands for, linear.
-    light: [f64; 256],
+    light: Box<[f64; 256]>,
 }
 
 impl Texture {
@@ -184,7 +185,7 @@ impl Texture {
         let (base, gain) = (f64::from(placement.base), f64::from(placement.gain));
         let light =
             core::array::from_fn(|byte| color::srgb_to_linear((base + gain * (byte as f64 / 255.0)).clamp(0.0, 1.0)));
-        Texture { image, placement, light }
+        Texture { image, placement, light: Box::new(light) }
     }
 
     /// Bytes that the picture takes.
