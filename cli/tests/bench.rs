@@ -230,7 +230,10 @@ fn effects_by_kernel_and_one_by_one() {
     assert_eq!((&plain["kernel"], &plain["same_bytes"]), (&"phong".into(), &true.into()));
     assert_eq!(plain["shadows"]["rays"], plain["by_effect"][0]["rays"]["shadow"]);
     let casting = s.ok(&format!("bench effects box.obj -r 64 --shadows {SMALL}")).json();
-    assert_eq!((&casting["kernel"], &casting["effects"]), (&"shadows".into(), &serde_json::json!(["specular", "shadows"])));
+    assert_eq!(
+        (&casting["kernel"], &casting["effects"]),
+        (&"shadows".into(), &serde_json::json!(["specular", "shadows"]))
+    );
 }
 
 #[test]
