@@ -28,6 +28,7 @@ program() {
 use voxdag::effects::Effects;
 use voxdag::normal::{Normal, NormalKind, normals};
 use voxdag::render::{Kernel, Settings, View, render_rows_by};
+use voxdag::simd::Level;
 use voxdag::trace::{Arithmetic, Hit, Query, Tile};
 use voxdag::{Dag, Tree};
 
@@ -47,8 +48,8 @@ pub fn tile(view: &View<'_, Tree<'_>, Dag<'_>>, rays: &Tile<'_>, hits: &mut [Opt
     view.tracer.trace_tile(Arithmetic::Exact, rays, hits);
 }
 #[unsafe(no_mangle)]
-pub fn fitted(view: &View<'_, Tree<'_>, Dag<'_>>, hits: &[Hit], dirs: &[[f64; 3]], kind: NormalKind, out: &mut [Normal]) {
-    normals(view.tracer.level(), &view.tracer, view.materials, hits, dirs, kind, out);
+pub fn fitted(level: Option<Level>, view: &View<'_, Tree<'_>, Dag<'_>>, hits: &[Hit], dirs: &[[f64; 3]], kind: NormalKind, out: &mut [Normal]) {
+    normals(level, &view.tracer, view.materials, hits, dirs, kind, out);
 }
 $2
 pub fn draw(view: &View<'_, Tree<'_>, Dag<'_>>, settings: &Settings, out: &mut [u32]) -> u64 {

@@ -12,6 +12,7 @@ use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::options::{
     ArithmeticArg, BuildArgs, CameraArgs, LightArg, LightingArgs, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
+    SupersampleArg,
 };
 use crate::output::Output;
 use crate::picture::{self, Extras, Rays};
@@ -142,13 +143,18 @@ pub fn source(scene: DemoScene, memory: &mut Memory) -> Result<Source> {
 
 /// The view that suits the scene, as if it had been typed.
 pub fn view(scene: DemoScene) -> PictureArgs {
-    let view: DemoView = match scene {
-        DemoScene::Hall => demo::view(),
-        DemoScene::Studio => studio::view(),
+    let (view, size): (DemoView, _) = match scene {
+        DemoScene::Hall => (demo::view(), [1280, 720]),
+        DemoScene::Studio => (studio::view(), [1120, 630]),
+    };
+    // What is mirrored shows each normal's error twice, and has edges of its own.
+    let (normals, supersample) = match scene {
+        DemoScene::Hall => (NormalsArg::default(), None),
+        DemoScene::Studio => (NormalsArg::Plane3, Some(SupersampleArg::Adaptive(2.0))),
     };
     let light = |position, color| LightArg { kind: LightKind::Point(position), color, shadow: false };
     PictureArgs {
-        size: [1280, 720],
+        size,
         camera: CameraArgs {
             eye: Some(view.eye),
             target: Some(view.target),
@@ -161,9 +167,9 @@ pub fn view(scene: DemoScene) -> PictureArgs {
             ambient: Some(view.ambient),
             ..LightingArgs::default()
         },
-        normals: NormalsArg::default(),
+        normals,
         samples: None,
-        supersample: None,
+        supersample,
         arithmetic: ArithmeticArg::default(),
         effects: None,
         lift: None,
