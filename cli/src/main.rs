@@ -1,7 +1,7 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` and `quality` (flags),
-//! `view` (view files), `frames`, `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores),
+//! `view` (view files), `frames`, `memory` (the limit), `scene`, `layout`, `detail`, `picture` and `show` (the core's stages on all cores),
 //! `overlap`, `truth` and `metrics` (what to compare with, and how), `rays` and `formats` (other programs' files), `measure`,
 //! `machine`, `progress`, `report`, `stats` and `error`. No algorithm of the field lives here.
 
@@ -30,7 +30,6 @@ mod report;
 mod scene;
 mod show;
 mod stats;
-mod trees;
 mod truth;
 mod view;
 

@@ -17,7 +17,8 @@ use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::trace::{TopBuf, Tracer};
+use voxdag::trace::TopBuf;
+use voxdag::trees;
 use voxdag::voxelize::{Cover, VoxelizeError};
 use voxdag::{Dag, Material, Mesh};
 
@@ -31,7 +32,6 @@ use crate::picture::Shown;
 use crate::progress::Progress;
 use crate::report::{self, grouped, size, triple};
 use crate::stats;
-use crate::trees;
 
 /// Voxels along the longest axis where nobody says otherwise.
 const DEFAULT_RESOLUTION: u32 = 512;
@@ -423,11 +423,6 @@ pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
 pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
     TopBuf::new(&geometry, trees::TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
-}
-
-/// What answers rays, by way of the geometry's top grid if there is one.
-pub fn tracer<'a, G: Geometry>(geometry: G, top: impl Into<Option<&'a TopBuf>>) -> Tracer<'a, G> {
-    top.into().and_then(|top| Tracer::with_top(geometry, top.as_top())).unwrap_or(Tracer::new(geometry))
 }
 
 /// What a mesh takes in memory.

@@ -17,6 +17,7 @@ mod follow;
 mod frame;
 mod sampling;
 mod shadow;
+mod show;
 mod tile;
 
 use core::ops::Range;
@@ -35,6 +36,7 @@ use follow::{Follow, GOES_ON};
 use frame::Frame;
 pub use frame::{MAX_SIDE, Pixel, RenderError, each_pixel};
 pub use sampling::{Samples, Supersample};
+pub use show::{Show, Spread, show_rows};
 use tile::Tile;
 
 /// How a picture is made.
