@@ -48,16 +48,13 @@ impl Site {
         if !matches!(request.method(), Method::Get | Method::Head) {
             return request.respond(Response::empty(405));
         }
-        let Some((path, file)) = self
-            .find(request.url())
-            .and_then(|path| Some((File::open(&path).ok()?, path)))
-            .map(|(file, path)| (path, file))
-        else {
+        let found = self.find(request.url()).and_then(|path| Some((mime(&path), File::open(&path).ok()?)));
+        let Some((kind, file)) = found else {
             return request.respond(Response::from_string("there is no such file\n").with_status_code(404));
         };
         let header =
             |name: &str, value: &str| Header::from_bytes(name, value).map_err(|()| io::ErrorKind::InvalidInput);
-        let kind = header("Content-Type", mime(&path))?;
+        let kind = header("Content-Type", kind)?;
         // What was built again is to be seen at once.
         request.respond(Response::from_file(file).with_header(kind).with_header(header("Cache-Control", "no-cache")?))
     }
