@@ -214,7 +214,9 @@ impl Settings {
     pub(crate) fn lights(&self, scene: &Scene<'_>, camera: &Camera) -> Vec<Light> {
         let mut lights = self.lights.clone();
         if lights.is_empty() {
-            lights.push(camera.0.headlight(scene.bounds.radius()));
+            // Above the eye as the picture has it.
+            let upright = camera.0.checked().unwrap_or(camera.0);
+            lights.push(upright.headlight(scene.bounds.radius()));
         }
         lights.iter_mut().for_each(|light| light.shadow = self.shadows);
         lights

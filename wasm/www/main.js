@@ -20,6 +20,8 @@ let scene = null;
 let building = null;
 let memory = 0;
 let frame = null;
+// Whether the scene has not been seen yet.
+let isFresh = false;
 
 const workers = +new URLSearchParams(location.search).get('workers') || navigator.hardwareConcurrency || 2;
 let module, pool, picture, accuracy;
@@ -43,6 +45,7 @@ async function open(source) {
   const { signal } = control;
   try {
     hideError();
+    performance.mark('open');
     progress('Reading…');
     source.files ??= source.url && (await fetched(source.url));
     const files = source.files && (await read(source.files));
@@ -76,7 +79,8 @@ async function open(source) {
     offer(form, { ...info, isBuilt: built.triangles === undefined });
     showWarnings($('warnings'), built.warnings);
     statistics();
-    performance.mark('scene');
+    isFresh = true;
+    update();
   } catch (error) {
     if (building === control && scene) {
       state.resolution = scene.stats.resolution;
@@ -89,7 +93,6 @@ async function open(source) {
     if (building === control) {
       building = null;
       progress(null);
-      update();
     }
   }
 }
@@ -137,12 +140,14 @@ function fit() {
 
 function onpass(drawn) {
   const { pass, ms, rays, view } = drawn;
-  if (!performance.getEntriesByName('first-picture').length) performance.mark('first-picture');
+  if (isFresh) performance.mark('picture');
+  isFresh = false;
   accuracy.add(drawn).catch(failed);
   const { show } = view.settings;
   const isShaded = show === 'shaded' || show === 'samples';
   const name = pass.scale > 1 ? `1/${pass.scale} size` : isShaded ? `${pass.samples} ${pass.samples > 1 ? 'rays' : 'ray'}` : show;
   $('quality').textContent = `${name} · ${time(ms)}`;
+  performance.measure(name, { duration: ms, end: performance.now() });
   if (pass.scale > 1) return;
   frame = { ms, rays, name };
   statistics();

@@ -70,7 +70,7 @@ export function showStats(list, { stats, built, frame, workers, memory }) {
     ['Build', built.triangles === undefined ? undefined : time(built.ms)],
     ['Frame', frame && `${time(frame.ms)} (${frame.name})`],
     ['Rays', frame && rate(frame.rays / (frame.ms / 1000))],
-    ['Workers', `${workers}, ${bytes(memory)}`],
+    ['Memory', `${workers} × ${bytes(memory / workers)}`],
   ]);
 }
 

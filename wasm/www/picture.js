@@ -44,27 +44,39 @@ export class Picture {
     this.changed = performance.now();
     this.pool.drop();
     this.canvas.dataset.state = 'drawing';
-    if (!this.running) this.running = this.run().catch(this.onerror).finally(() => (this.running = null));
+    if (!this.isRunning) this.run();
   }
 
+  // Draws until nothing has changed since it began.
   async run() {
-    for (let generation; generation !== this.generation; ) {
-      generation = this.generation;
-      const view = this.view;
-      if (!view) return;
-      const coarse = await this.draw(view, { scale: this.coarseScale(view), samples: 1, supersample: 'all' }, generation);
-      this.present(coarse, view);
-      this.onpass(coarse);
-      await this.rest(generation);
-      for (const pass of passes(view.settings)) {
-        if (generation !== this.generation) break;
-        const drawn = await this.draw(view, { scale: 1, ...pass }, generation);
-        if (!drawn || generation !== this.generation) break;
-        this.present(drawn, view);
-        this.onpass(drawn);
+    this.isRunning = true;
+    try {
+      let generation;
+      while (generation !== this.generation) {
+        generation = this.generation;
+        if (this.view) await this.refine(this.view, generation);
       }
+      this.canvas.dataset.state = 'rested';
+    } catch (error) {
+      this.onerror(error);
+    } finally {
+      this.isRunning = false;
     }
-    this.canvas.dataset.state = 'rested';
+  }
+
+  // Draws one pass after the other until something changes.
+  async refine(view, generation) {
+    const coarse = await this.draw(view, { scale: this.coarseScale(view), samples: 1, supersample: 'all' }, generation);
+    this.present(coarse, view);
+    this.onpass(coarse);
+    await this.rest(generation);
+    for (const pass of passes(view.settings)) {
+      if (generation !== this.generation) return;
+      const drawn = await this.draw(view, { scale: 1, ...pass }, generation);
+      if (!drawn || generation !== this.generation) return;
+      this.present(drawn, view);
+      this.onpass(drawn);
+    }
   }
 
   // Waits until nothing has changed for a while, or something does.

@@ -9,6 +9,9 @@ use std::path::{Component, Path, PathBuf};
 
 use tiny_http::{Header, Method, Request, Response, Server};
 
+/// Requests that are answered at the same time.
+const THREADS: usize = 8;
+
 /// A folder that is ready to be served.
 pub struct Site {
     server: Server,
@@ -36,12 +39,18 @@ impl Site {
         address.map_or(String::new(), |address| format!("http://{address}/"))
     }
 
-    /// Answers requests, for ever.
+    /// Answers requests, for ever; some at a time, as a browser that reads slowly would hold up the others.
     pub fn run(&self) {
-        for request in self.server.incoming_requests() {
-            // A browser that went away is no reason to stop.
-            let _ = self.answer(request);
-        }
+        std::thread::scope(|threads| {
+            for _ in 0..THREADS {
+                threads.spawn(|| {
+                    while let Ok(request) = self.server.recv() {
+                        // A browser that went away is no reason to stop.
+                        let _ = self.answer(request);
+                    }
+                });
+            }
+        });
     }
 
     fn answer(&self, request: Request) -> io::Result<()> {
@@ -98,7 +107,7 @@ mod tests {
         write!(stream, "GET {path} HTTP/1.1\r\nHost: here\r\nConnection: close\r\n\r\n").unwrap();
         let mut answer = String::new();
         stream.read_to_string(&mut answer).unwrap();
-        let status = answer.lines().next().unwrap().splitn(3, ' ').nth(1).unwrap().to_owned();
+        let status = answer.lines().next().unwrap().split(' ').nth(1).unwrap().to_owned();
         let kind = answer.lines().find_map(|line| line.strip_prefix("Content-Type: ")).unwrap_or("").to_owned();
         (status, kind)
     }
