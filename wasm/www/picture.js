@@ -56,7 +56,7 @@ export class Picture {
         generation = this.generation;
         if (this.view) await this.refine(this.view, generation);
       }
-      this.canvas.dataset.state = 'rested';
+      if (this.view) this.canvas.dataset.state = 'rested';
     } catch (error) {
       this.onerror(error);
     } finally {
