@@ -10,7 +10,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo selftest test targets miri)
+ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo web selftest test targets miri)
 
 # The lock files are committed and fit their manifests.
 check_lock() {
@@ -67,6 +67,32 @@ check_demo() {
         echo "the demo's picture has changed: look at it, then keep it as docs/demo.png" >&2
         exit 1
     }
+}
+
+# The page and the npm package, packed as the README says, in node and in a real browser. Pictures stay in
+# target/screenshots to be looked at.
+check_web() {
+    in_readme 'cargo web build'
+    export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+    cargo web build
+    cargo build --release --locked -p voxdag-cli
+    if ! command -v npm >/dev/null; then
+        echo "SKIPPED: the page's tests, as npm is missing"
+        return
+    fi
+    cd wasm/e2e
+    npm ci --no-audit --no-fund
+    node --test module.test.mjs
+    CHROMIUM=${CHROMIUM:-$(command -v chromium || true)}
+    if [ -z "$CHROMIUM" ]; then
+        { apt-get update && apt-get install -y --no-install-recommends chromium; } || true
+        CHROMIUM=$(command -v chromium || true)
+    fi
+    if [ -z "$CHROMIUM" ]; then
+        echo "SKIPPED: the page in a browser, as chromium is missing (apt-get install chromium)"
+        return
+    fi
+    CHROMIUM=$CHROMIUM node --test page.test.mjs
 }
 
 # The oracles against the release build, as users run them.

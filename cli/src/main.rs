@@ -1,7 +1,7 @@
 //! `voxdag`: meshes to voxel DAGs to pictures, on the command line.
 //!
 //! One file per subcommand in `cmd/`; around them a shared rim: `input` and `output` (files), `options` and `quality` (flags),
-//! `view` (view files), `frames`, `memory` (the limit), `scene`, `layout`, `detail`, `trees`, `picture` and `show` (the core's stages on all cores),
+//! `view` (view files), `frames`, `memory` (the limit), `scene`, `layout`, `detail`, `picture` and `show` (the core's stages on all cores),
 //! `overlap`, `truth` and `metrics` (what to compare with, and how), `rays` and `formats` (other programs' files), `measure`,
 //! `machine`, `progress`, `report`, `stats` and `error`. No algorithm of the field lives here.
 
@@ -30,7 +30,6 @@ mod report;
 mod scene;
 mod show;
 mod stats;
-mod trees;
 mod truth;
 mod view;
 
@@ -61,6 +60,7 @@ enum Command {
     Render(cmd::render::Args),
     Info(cmd::info::Args),
     Verify(cmd::verify::Args),
+    View(cmd::view::Args),
     Cast(cmd::cast::Args),
     Export(cmd::export::Args),
     Accuracy(cmd::accuracy::Args),
@@ -80,6 +80,7 @@ fn main() {
         Command::Render(args) => cmd::render::run(&args),
         Command::Info(args) => cmd::info::run(&args),
         Command::Verify(args) => cmd::verify::run(&args),
+        Command::View(args) => cmd::view::run(&args),
         Command::Cast(args) => cmd::cast::run(&args),
         Command::Export(args) => cmd::export::run(&args),
         Command::Accuracy(args) => cmd::accuracy::run(&args),

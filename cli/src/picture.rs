@@ -20,7 +20,8 @@ use voxdag::materials::AnyMaterials;
 use voxdag::render::{Counters, Kernel, RenderError, Settings, View, render_rows, render_rows_by};
 use voxdag::shade::Light;
 use voxdag::trace::Query;
-use voxdag::{Grid, Material};
+use voxdag::trees::Trees;
+use voxdag::{Grid, Material, with_tracer};
 
 use crate::detail::{Detail, Looks};
 use crate::error::{Error, Kind, Result};
@@ -29,7 +30,6 @@ use crate::options::{CameraArgs, LightArg, LightingArgs, PictureArgs};
 use crate::progress::Progress;
 use crate::report::grouped;
 use crate::stats;
-use crate::trees::{Trees, with_tracer};
 
 /// A finished picture and what it took.
 pub struct Picture {
@@ -138,7 +138,7 @@ impl Prepared {
     pub fn new(scene: &Shown<'_>, lod: u8, memory: &Memory) -> Result<Prepared> {
         let start = Instant::now();
         let detail = Detail::new(scene, lod, memory)?;
-        let trees = Trees::new(detail.of(scene).geometry, &memory.with(detail.bytes()));
+        let trees = Trees::new(detail.of(scene).geometry, memory.with(detail.bytes()).left());
         Ok(Prepared { detail, trees, time: start.elapsed() })
     }
 
@@ -146,7 +146,7 @@ impl Prepared {
     pub fn without_trees(scene: &Shown<'_>, lod: u8, memory: &Memory) -> Result<Prepared> {
         let start = Instant::now();
         let detail = Detail::new(scene, lod, memory)?;
-        Ok(Prepared { detail, trees: Trees { wide: None, top: None }, time: start.elapsed() })
+        Ok(Prepared { detail, trees: Trees::default(), time: start.elapsed() })
     }
 
     /// What deriving it took.

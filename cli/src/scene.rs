@@ -19,8 +19,9 @@ use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::rank::AnyRank;
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::texture::Texture;
-use voxdag::trace::{TopBuf, Tracer};
+use voxdag::texture::{Texture, decode};
+use voxdag::trace::TopBuf;
+use voxdag::trees;
 use voxdag::voxelize::{Cover, VoxelizeError};
 use voxdag::{Dag, Material, Mesh};
 
@@ -34,7 +35,6 @@ use crate::picture::Shown;
 use crate::progress::Progress;
 use crate::report::{self, grouped, size, triple};
 use crate::stats;
-use crate::trees;
 
 /// Voxels along the longest axis where nobody says otherwise.
 const DEFAULT_RESOLUTION: u32 = 512;
@@ -115,7 +115,10 @@ fn load_textures(source: &mut Source, beside: &mut Companions<'_>) -> Result<()>
         source.model.warnings.len(),
         beside.memory().left().map_or(u64::MAX, |left| left.saturating_sub(source.bytes)),
     );
-    let (loaded, time) = stats::timed(|| source.model.load_textures(|name| beside.resolve(name), limit));
+    let (loaded, time) = stats::timed(|| {
+        let decode = |name: &str, left| beside.resolve(name).map(|bytes| decode(name, &bytes, left));
+        source.model.load_textures(decode, limit)
+    });
     drop(progress);
     if let Err(needed) = loaded {
         let needed = needed.saturating_add(source.bytes);
@@ -492,11 +495,6 @@ pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
 pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
     TopBuf::new(&geometry, trees::TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
-}
-
-/// What answers rays, by way of the geometry's top grid if there is one.
-pub fn tracer<'a, G: Geometry>(geometry: G, top: impl Into<Option<&'a TopBuf>>) -> Tracer<'a, G> {
-    top.into().and_then(|top| Tracer::with_top(geometry, top.as_top())).unwrap_or(Tracer::new(geometry))
 }
 
 /// What a model takes in memory.

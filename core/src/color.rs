@@ -63,6 +63,34 @@ pub fn quantize(sample: f32) -> u32 {
     (sample.clamp(0.0, BRIGHTEST) * WHITE as f32 + 0.5) as u32
 }
 
+/// The linear value of each sRGB byte.
+const DECODE: [f64; 256] = {
+    let mut table = [0.0; 256];
+    let mut i = 0;
+    while i < 256 {
+        table[i] = srgb_to_linear(i as f64 / 255.0);
+        i += 1;
+    }
+    table
+};
+
+/// How far a picture is from another one of as many pixels: the root of the mean square difference of red, green and blue
+/// in linear light, 0 to 1. Pixels are RGBA8, red in the lowest byte; alpha is ignored. The same bits wherever it runs; NaN
+/// if there are no pixels or not as many.
+pub fn rmse(reference: &[u32], picture: &[u32]) -> f64 {
+    if reference.len() != picture.len() {
+        return f64::NAN;
+    }
+    let mut sum = 0.0;
+    for (a, b) in reference.iter().zip(picture).map(|(a, b)| (a.to_le_bytes(), b.to_le_bytes())) {
+        for i in 0..3 {
+            let error = DECODE[usize::from(a[i])] - DECODE[usize::from(b[i])];
+            sum += error * error;
+        }
+    }
+    crate::math::sqrt(sum / (3 * reference.len()) as f64)
+}
+
 /// The mean of linear samples.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Mean {

@@ -89,6 +89,9 @@ pub mod simd;
 
 pub mod trace;
 
+#[cfg(feature = "alloc")]
+pub mod trees;
+
 pub mod normal;
 
 pub mod shade;

@@ -1,9 +1,24 @@
-//! voxdag in the browser: a [`Viewer`] over a `.vxd` file's words.
+//! voxdag in the browser: meshes become scenes, scenes become pictures. No algorithm lives here.
 //!
-//! In: a `Uint32Array`. Out: what the scene holds; errors arrive in JavaScript as `Error` with the core's own text. No
-//! algorithm lives here, and nothing in here panics.
+//! ```text
+//! Files (dropped or chosen) -> build -> words of a .vxd -> Viewer in each worker -> rows of RGBA8, hits of single rays
+//! ```
+//!
+//! Numbers, names and bytes come in as they are; whatever is wrong with them arrives in JavaScript as an `Error` that names
+//! file and line. Nothing in here panics. A viewer holds no more than a file's words and what makes rays faster, so that
+//! every worker of a page can have one of its own.
 
-use voxdag::file::{self, Scene};
+mod build;
+mod files;
+mod loaded;
+mod picture;
+mod viewer;
+
+pub use build::{Built, build};
+pub use files::Files;
+pub use picture::{Camera, Settings};
+pub use viewer::{Pick, Stats, Viewer};
+
 use wasm_bindgen::prelude::*;
 
 /// The version of this package.
@@ -12,41 +27,14 @@ pub fn version() -> String {
     env!("CARGO_PKG_VERSION").into()
 }
 
-/// A scene that was loaded and checked.
+/// How far a picture is from another one of the same size: the root of the mean square difference in linear light, 0 to 1.
+/// Pixels are words of RGBA8, as in `new Uint32Array(imageData.data.buffer)`; NaN if there are not as many.
 #[wasm_bindgen]
-pub struct Viewer {
-    words: Vec<u32>,
+pub fn rmse(reference: &[u32], picture: &[u32]) -> f64 {
+    voxdag::color::rmse(reference, picture)
 }
 
-#[wasm_bindgen]
-impl Viewer {
-    /// Takes the words of a `.vxd` file (`new Uint32Array(buffer)`), or says what is wrong with them.
-    #[wasm_bindgen(constructor)]
-    pub fn new(words: Vec<u32>) -> Result<Viewer, JsError> {
-        file::read(&words)?;
-        Ok(Viewer { words })
-    }
-
-    /// Voxels along the longest axis.
-    pub fn resolution(&self) -> Result<u32, JsError> {
-        Ok(self.scene()?.grid.resolution)
-    }
-
-    /// Number of filled voxels; exact up to 2^53.
-    pub fn voxels(&self) -> Result<f64, JsError> {
-        let stats = self.scene()?.geometry.stats();
-        let stats = stats.map_err(|bytes| JsError::new(&format!("out of memory: {bytes} bytes could not be had")))?;
-        Ok(stats.voxels as f64)
-    }
-
-    /// Names of the materials, by id.
-    pub fn materials(&self) -> Result<Vec<String>, JsError> {
-        let scene = self.scene()?;
-        Ok((0..=u16::MAX).take(scene.material_count()).map(|id| scene.name(id).to_string()).collect())
-    }
-
-    /// The view over the words. Checks them again, O(words).
-    fn scene(&self) -> Result<Scene<'_>, JsError> {
-        Ok(file::read(&self.words)?)
-    }
+/// Why something cannot be done, in words.
+fn error(text: impl AsRef<str>) -> JsError {
+    JsError::new(text.as_ref())
 }

@@ -15,6 +15,7 @@ use voxdag::layout::AnyGeometry;
 use voxdag::materials::Materials;
 use voxdag::normal::{self, NormalKind};
 use voxdag::trace::{Arithmetic, Face, Hit, Query, Tracer};
+use voxdag::trees;
 use voxdag_oracle::textbook::dda_f32_hit;
 
 use crate::error::{Error, Kind, Result};
@@ -133,7 +134,7 @@ pub fn run(args: &Args) -> Result<()> {
     let top = scene::top_grid(scene.geometry)?;
     let caster = Caster {
         scene: &scene,
-        tracer: scene::tracer(scene.geometry, &top),
+        tracer: trees::tracer(scene.geometry, &top),
         space: args.space,
         arithmetic: args.arithmetic,
         normals: args.normals.kind(scene.materials.has_normals())?,

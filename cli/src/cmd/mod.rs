@@ -13,3 +13,4 @@ pub mod render;
 pub mod selftest;
 pub mod thesis;
 pub mod verify;
+pub mod view;

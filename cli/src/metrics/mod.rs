@@ -16,7 +16,7 @@ mod ssim;
 use std::iter::zip;
 
 use serde::Serialize;
-use voxdag::color::srgb_to_linear;
+use voxdag::color;
 
 /// A picture to compare: rows of sRGB pixels from the top, red in the lowest byte (as `Picture::pixels`); alpha is ignored.
 #[derive(Clone, Copy)]
@@ -62,14 +62,7 @@ pub fn rmse(reference: View<'_>, picture: View<'_>) -> f64 {
     if !reference.same_size(picture) {
         return f64::NAN;
     }
-    let mut sum = 0.0;
-    for (&a, &b) in zip(reference.pixels, picture.pixels) {
-        for (a, b) in zip(rgb(a), rgb(b)) {
-            let error = LINEAR[usize::from(a)] - LINEAR[usize::from(b)];
-            sum += error * error;
-        }
-    }
-    (sum / (3 * reference.pixels.len()) as f64).sqrt()
+    color::rmse(reference.pixels, picture.pixels)
 }
 
 /// All errors; NaN and none unless both have the [same size](View::same_size).
@@ -92,17 +85,6 @@ pub fn errors(reference: View<'_>, picture: View<'_>) -> Errors {
 pub fn flip_map(reference: View<'_>, picture: View<'_>) -> Option<Vec<u32>> {
     if reference.same_size(picture) { flip::colours(reference, picture) } else { None }
 }
-
-/// The linear value of each sRGB byte.
-static LINEAR: [f64; 256] = {
-    let mut table = [0.0; 256];
-    let mut i = 0;
-    while i < 256 {
-        table[i] = srgb_to_linear(i as f64 / 255.0);
-        i += 1;
-    }
-    table
-};
 
 /// Red, green and blue of a pixel.
 fn rgb(pixel: u32) -> [u8; 3] {

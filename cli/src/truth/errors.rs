@@ -13,12 +13,13 @@ use voxdag::math;
 use voxdag::normal::{self, NormalKind};
 use voxdag::render::Counters;
 use voxdag::trace::{Arithmetic, Hit, Tile, Tracer};
+use voxdag::trees::Trees;
+use voxdag::with_tracer;
 
 use super::Met;
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::picture::{Shown, in_bands, room};
-use crate::trees::{Trees, with_tracer};
 
 /// How a set of deviations spreads.
 #[derive(Clone, Copy, PartialEq, Debug, Serialize)]
@@ -174,7 +175,7 @@ mod tests {
         for arithmetic in [Arithmetic::Exact, Arithmetic::F64, Arithmetic::F32] {
             let how = (NormalKind::Plane2, arithmetic);
             let shown = built.shown();
-            let trees = Trees::new(shown.geometry, &memory);
+            let trees = Trees::new(shown.geometry, memory.left());
             let errors = shape_errors(&truth, (&shown, &trees), &camera, size, how, &memory).unwrap();
             assert_eq!((errors.silhouette, errors.both), (0, count as u64));
             let (depth, normal) = (errors.depth.unwrap(), errors.normal.unwrap());

@@ -9,7 +9,6 @@
 //! gives no lines for warnings.
 
 mod front;
-#[cfg(feature = "images")]
 mod textures;
 
 use alloc::format;
@@ -46,7 +45,7 @@ pub struct Model {
     /// library defines, in byte order; then, if there are faces without a material, a grey `default` (unless something
     /// is called that already). So no id depends on the order of the faces. Names are unique.
     pub materials: Vec<NamedMaterial>,
-    /// Their textures, by id; empty until [`Model::load_textures`] (feature `images`) has read them.
+    /// Their textures, by id; empty until [`Model::load_textures`] has read them.
     pub textures: Vec<Maps>,
     /// Polygons read.
     pub faces: usize,

@@ -1,6 +1,6 @@
-//! The pictures that materials name: found, decoded, laid on their materials.
+//! The pictures that materials name: found and laid on their materials.
 //!
-//! In: a model and a way to find files. Out: the textures of each material, and warnings. A picture that is missing or
+//! In: a model and a way to find pictures. Out: the textures of each material, and warnings. A picture that is missing or
 //! damaged is one warning, however many materials name it, and what it would colour is grey; a path is tried relative to
 //! its library, then to the OBJ, then as a name beside either, as absolute paths of another machine are.
 
@@ -15,11 +15,11 @@ use super::{Model, Warning};
 use crate::material::Material;
 use crate::mtl::TextureMap;
 use crate::text::quote;
-use crate::texture::{DecodeError, Image, Maps, Texture, decode};
+use crate::texture::{DecodeError, Image, Maps, Texture};
 
 /// Pictures by their paths; `None` for those that cannot be had.
-struct Pictures<R> {
-    resolve: R,
+struct Pictures<F> {
+    find: F,
     known: HashMap<String, Option<Arc<Image>>>,
     /// Bytes that pictures may still take.
     left: u64,
@@ -27,13 +27,18 @@ struct Pictures<R> {
 
 impl Model {
     /// Reads the textures of the materials that triangles use, and marks materials with a colour of their own
-    /// [`textured`](Material::textured). `resolve` gives the bytes of a file by its path (with `/` between folders,
-    /// relative to the OBJ), or `None` if there is no such file. What is not as it should be becomes a warning.
+    /// [`textured`](Material::textured). `find` gives a picture by its path (with `/` between folders, relative to the OBJ)
+    /// in at most so many bytes, or `None` if there is no such file: [`decode`](crate::texture) with the feature
+    /// `images`. What is not as it should be becomes a warning.
     ///
     /// Err: the bytes that pictures take at least, if that is more than `limit`; then there are no textures.
-    pub fn load_textures(&mut self, resolve: impl FnMut(&str) -> Option<Vec<u8>>, limit: u64) -> Result<(), u64> {
+    pub fn load_textures(
+        &mut self,
+        find: impl FnMut(&str, u64) -> Option<Result<Image, DecodeError>>,
+        limit: u64,
+    ) -> Result<(), u64> {
         let used: HashSet<u16> = self.triangle_materials.iter().copied().collect();
-        let mut pictures = Pictures { resolve, known: HashMap::new(), left: limit };
+        let mut pictures = Pictures { find, known: HashMap::new(), left: limit };
         let has_uvs = !self.uvs.is_empty();
         let mut textures = Vec::new();
         for (id, named) in self.materials.iter_mut().enumerate() {
@@ -84,7 +89,7 @@ enum Found {
     Useless,
 }
 
-impl<R: FnMut(&str) -> Option<Vec<u8>>> Pictures<R> {
+impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
     /// The texture of a statement; a picture that cannot be had is noted once, with what comes of it. Err: the bytes that its
     /// picture takes, if they are too many.
     fn texture(
@@ -119,17 +124,16 @@ impl<R: FnMut(&str) -> Option<Vec<u8>>> Pictures<R> {
         })
     }
 
-    /// Finds and decodes a picture, or says why it cannot.
+    /// Finds a picture, or says why it cannot.
     fn find(&mut self, map: &TextureMap) -> Result<Image, DecodeError> {
         let folder = map.library.rfind('/').map_or("", |end| &map.library[..=end]);
         let name = map.path.rsplit('/').next().unwrap_or(&map.path);
         let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
-        let bytes = places.iter().enumerate().find_map(|(i, place)| {
+        let found = places.iter().enumerate().find_map(|(i, place)| {
             // The same place is not asked for twice.
-            if places[..i].contains(place) { None } else { (self.resolve)(place) }
+            if places[..i].contains(place) { None } else { (self.find)(place, self.left) }
         });
-        let bytes = bytes.ok_or_else(|| "is not there".to_owned())?;
-        decode(&map.path, &bytes, self.left).map_err(|error| match error {
+        found.ok_or_else(|| "is not there".to_owned())?.map_err(|error| match error {
             DecodeError::Picture(why) => DecodeError::Picture(format!("cannot be read: {why}")),
             over => over,
         })

@@ -18,6 +18,7 @@ mod frame;
 mod kernel;
 mod sampling;
 mod shadow;
+mod show;
 mod tile;
 
 use core::ops::Range;
@@ -38,6 +39,7 @@ pub use frame::{MAX_SIDE, Pixel, RenderError, each_pixel};
 use kernel::Chosen;
 pub use kernel::{Full, Kernel, Phong, Shadows};
 pub use sampling::{Samples, Supersample};
+pub use show::{Show, Spread, show_rows};
 use tile::Tile;
 
 /// How a picture is made.

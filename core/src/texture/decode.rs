@@ -4,34 +4,16 @@
 //! In: the bytes of a file. Out: a picture, or what is wrong with the file. Sizes are checked before memory is taken.
 
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::ToString;
 use alloc::vec::Vec;
 use std::io::Cursor;
 
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::Image;
+use super::{DecodeError, Image};
 
 /// Longest side of a picture in pixels.
 pub const MAX_IMAGE_SIDE: u32 = 16_384;
-
-/// Why a file gives no picture.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub enum DecodeError {
-    /// What is wrong with it, for people.
-    Picture(String),
-    /// The picture takes more memory than allowed.
-    Limit {
-        /// Bytes that it takes while it is decoded.
-        needed: u64,
-    },
-}
-
-impl From<String> for DecodeError {
-    fn from(why: String) -> DecodeError {
-        DecodeError::Picture(why)
-    }
-}
 
 /// Decodes the bytes of the file called `name`, if that takes at most `limit` bytes.
 pub fn decode(name: &str, bytes: &[u8], limit: u64) -> Result<Image, DecodeError> {

@@ -10,13 +10,14 @@
 mod decode;
 
 use alloc::boxed::Box;
+use alloc::string::String;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use crate::color;
 
 #[cfg(feature = "images")]
-pub use decode::{DecodeError, MAX_IMAGE_SIDE, decode};
+pub use decode::{MAX_IMAGE_SIDE, decode};
 
 /// How a picture lies on a surface, and how bright it is.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -67,6 +68,24 @@ impl core::fmt::Display for ImageError {
 }
 
 impl core::error::Error for ImageError {}
+
+/// Why a file gives no picture.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum DecodeError {
+    /// What is wrong with it, for people.
+    Picture(String),
+    /// The picture takes more memory than allowed.
+    Limit {
+        /// Bytes that it takes while it is decoded.
+        needed: u64,
+    },
+}
+
+impl From<String> for DecodeError {
+    fn from(why: String) -> DecodeError {
+        DecodeError::Picture(why)
+    }
+}
 
 /// A picture and its halves.
 #[derive(Clone, PartialEq, Eq, Debug)]

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use voxdag::camera::Camera;
 use voxdag::effects::Effects;
 use voxdag::render::Samples;
+use voxdag::with_tracer;
 
 use super::build::{self, Scene};
 use super::cost;
@@ -25,7 +26,6 @@ use crate::progress::Progress;
 use crate::quality::Quality;
 use crate::scene::Source;
 use crate::stats;
-use crate::trees::with_tracer;
 use crate::truth::{self, Lit, ShapeErrors, Truth};
 
 /// What is measured on.

@@ -15,6 +15,7 @@ use voxdag::render::{
 };
 use voxdag::shade::Light;
 use voxdag::trace::{Arithmetic, Query};
+use voxdag::trees;
 use voxdag::wide::Wide;
 
 use super::{Cost, Run, rays};
@@ -25,7 +26,6 @@ use crate::memory::Memory;
 use crate::options::LightingArgs;
 use crate::picture::{self, Rays, Shown};
 use crate::report::{self, Lines, grouped, time};
-use crate::{scene, trees};
 
 #[derive(clap::Args)]
 pub struct Args {
@@ -119,11 +119,10 @@ type Scene<'a> = View<'a, Looks<'a>, Wide<'a>>;
 /// Runs the command.
 pub fn run(args: &Args, scene: &Shown<'_>, lighting: &LightingArgs) -> Result<()> {
     let run = &args.run;
-    let memory = Memory::new(None);
     let tree =
-        trees::wide(&scene.geometry, &memory).ok_or_else(|| Error::new(Kind::Limit, "no wide tree of the scene"))?;
-    let top = trees::top_within(&tree.as_wide(), rays::TOP_BITS, &memory);
-    let tracer = scene::tracer(tree.as_wide(), top.as_ref()).with_level(voxdag::simd::Level::best());
+        trees::wide(&scene.geometry, None).ok_or_else(|| Error::new(Kind::Limit, "no wide tree of the scene"))?;
+    let top = trees::top_within(&tree.as_wide(), rays::TOP_BITS, None);
+    let tracer = trees::tracer(tree.as_wide(), top.as_ref()).with_level(voxdag::simd::Level::best());
 
     let camera = picture::camera(scene, &run.camera)?;
     let lights = picture::lights(scene, &camera, lighting);

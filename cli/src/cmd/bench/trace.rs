@@ -4,17 +4,14 @@ use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 use voxdag::simd::Level;
 use voxdag::trace::{Arithmetic, Hit, Steps, Top, Tracer};
-use voxdag::{Geometry, match_geometry};
+use voxdag::{Geometry, match_geometry, trees};
 
 use super::packets::{self, Tiles};
 use super::{Run, checksum, rays};
 use crate::error::Result;
 use crate::measure::{Arm, Times, measure};
-use crate::memory::Memory;
 use crate::picture::{self, Shown};
 use crate::report::{self, Lines, grouped, size};
-use crate::scene;
-use crate::trees;
 
 #[derive(clap::Args)]
 pub struct Args {
@@ -174,12 +171,11 @@ pub fn run(args: &Args, scene: &Shown<'_>) -> Result<()> {
 fn with<G: Geometry>(args: &Args, scene: &Shown<'_>, geometry: G) -> Result<()> {
     let top = rays::top_grid(geometry)?;
     let one = rays::tracer(geometry, &top)?;
-    let memory = Memory::new(None);
-    let Some((level, wide)) = args.level().and_then(|level| Some((level, trees::wide(&geometry, &memory)?))) else {
+    let Some((level, wide)) = args.level().and_then(|level| Some((level, trees::wide(&geometry, None)?))) else {
         return compare(&args.run, scene, &one, &one);
     };
-    let top = trees::top_within(&wide.as_wide(), rays::TOP_BITS, &memory);
-    compare(&args.run, scene, &one, &scene::tracer(wide.as_wide(), top.as_ref()).with_level(Some(level)))
+    let top = trees::top_within(&wide.as_wide(), rays::TOP_BITS, None);
+    compare(&args.run, scene, &one, &trees::tracer(wide.as_wide(), top.as_ref()).with_level(Some(level)))
 }
 
 /// Traces rays one by one, and many at once.
@@ -230,7 +226,7 @@ fn compare<G: Geometry, W: Geometry>(
             packets::nearest(many, &random, fold),
             each(*one, Arithmetic::Exact, &random, fold),
             Arm::pieces(1, |_| rays::top_grid(geometry).is_ok().into()),
-            Arm::pieces(is_wide.into(), |_| trees::wide(&geometry, &Memory::new(None)).is_some().into()),
+            Arm::pieces(is_wide.into(), |_| trees::wide(&geometry, None).is_some().into()),
         ],
     )?;
 

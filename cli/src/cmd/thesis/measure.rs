@@ -9,7 +9,8 @@ use voxdag::materials::{Materials, MaterialsBuf};
 use voxdag::render::Samples;
 use voxdag::scene::{MaterialMode, SceneError};
 use voxdag::trace::Arithmetic;
-use voxdag::{Dag, Grid, Material, Morton, Rank, thesis};
+use voxdag::trees::Trees;
+use voxdag::{Dag, Grid, Material, Morton, Rank, thesis, with_tracer};
 
 use super::draw;
 use super::published::Published;
@@ -23,7 +24,6 @@ use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs};
 use crate::picture::{self, Extras, Picture, Shown};
 use crate::scene::{self, Source, Voxels};
 use crate::stats::{self, ms};
-use crate::trees::{Trees, with_tracer};
 
 /// What is measured.
 pub struct Subject<'a> {
@@ -311,7 +311,7 @@ fn look_ups(
 fn hits(shown: &Shown<'_>, args: &PictureArgs, memory: &Memory) -> Result<Vec<Morton>> {
     let queries = picture::primary(shown, &args.camera, args.size)?;
     let mut hits = vec![None; queries.len()];
-    let trees = Trees::new(shown.geometry, memory);
+    let trees = Trees::new(shown.geometry, memory.left());
     with_tracer!(shown.geometry, &trees, tracer => tracer.trace_many(Arithmetic::Exact, &queries, &mut hits));
     Ok(hits.into_iter().flatten().map(|hit| hit.voxel).collect())
 }

@@ -117,11 +117,17 @@ fn in_lanes<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, size: i32, e
             ends.how[(from + whole.trailing_zeros() as usize) % CHUNK] = End::Whole;
             whole &= whole - 1;
         }
-        // Line up those that go.
+        // Line up those that go: mostly all of them or none.
+        if go == 0 {
+            from += 2 * width;
+            continue;
+        }
+        let all = go == u64::MAX >> (64 - 2 * width);
         let mask = S::mask32s::from_bitmask(simd, go);
         let at = walks.len;
         let put = |column: &mut [f32], low: S::f64s, high: S::f64s| {
-            low.narrow(high).compress(mask).store_slice(&mut column[at..at + 2 * width]);
+            let values = low.narrow(high);
+            (if all { values } else { values.compress(mask) }).store_slice(&mut column[at..at + 2 * width]);
         };
         (numbers + from as i32).compress(mask).store_slice(&mut walks.number[at..at + 2 * width]);
         for i in 0..3 {

@@ -1,0 +1,111 @@
+// One wasm instance. Jobs come as messages and are answered in order: {id, result} or {id, error}.
+
+import { Camera, Files, Settings, Viewer, build, initSync, rmse } from './pkg/voxdag.js';
+
+let wasm, viewer;
+
+const jobs = {
+  init({ module }) {
+    wasm = initSync({ module });
+  },
+
+  // Files become the words of a scene. Progress is told as {progress: [done, total]}.
+  build({ files, resolution, up }) {
+    const start = performance.now();
+    const all = files ? new Files() : Files.demo();
+    for (const { name, bytes } of files ?? []) all.add(name, bytes);
+    files = undefined;
+    const built = build(all, resolution, up, (done, total) => postMessage({ progress: [done, total] }));
+    all.free();
+    const { triangles, warnings } = built;
+    const words = built.takeWords();
+    built.free();
+    const memory = wasm.memory.buffer.byteLength;
+    return [{ words, triangles, warnings, memory, ms: performance.now() - start }, [words.buffer]];
+  },
+
+  load({ words }) {
+    const next = new Viewer(words);
+    viewer?.free();
+    viewer = next;
+    const { effects, hasNormals } = viewer;
+    return [{ effects, hasNormals, camera: plain(viewer.camera) }];
+  },
+
+  demoCamera: () => [plain(Camera.demo())],
+
+  stats() {
+    const { resolution, voxels, dagBytes, fileBytes, materials, radius } = viewer.stats();
+    return [{ resolution, voxels, dagBytes, fileBytes, materials, radius }];
+  },
+
+  rows({ camera, settings, from, to }) {
+    const before = viewer.rays;
+    const pixels = withView(camera, settings, (c, s) => viewer.renderRows(c, s, from, to));
+    return [{ pixels, rays: viewer.rays - before }, [pixels.buffer]];
+  },
+
+  // What a renderer sees: numbers first, whose range the page collects, then colours.
+  look({ camera, settings, from, to }) {
+    const words = withView(camera, settings, (c, s) => viewer.showRows(c, s, settings.show, from, to));
+    const range = viewer.range(settings.show, words);
+    return [{ words, range, rays: (to - from) * settings.width }, [words.buffer]];
+  },
+
+  paint({ settings, words, range }) {
+    const pixels = viewer.paint(settings.show, words, ...range);
+    return [{ pixels, rays: 0 }, [pixels.buffer]];
+  },
+
+  pick({ camera, settings, x, y }) {
+    const hit = withView(camera, settings, (c, s) => viewer.pick(c, s, x, y));
+    if (!hit) return [null];
+    const { voxel, position, normal, material, distance } = hit;
+    hit.free();
+    return [{ voxel: [...voxel], position: [...position], normal: [...normal], material, distance }];
+  },
+
+  rmse: ({ reference, picture }) => [rmse(reference, picture)],
+
+  save() {
+    const bytes = viewer.save();
+    return [bytes, [bytes.buffer]];
+  },
+
+  memory: () => [wasm.memory.buffer.byteLength],
+};
+
+onmessage = ({ data: { id, job, ...input } }) => {
+  try {
+    const [result, transfer] = jobs[job](input) ?? [];
+    postMessage({ id, result }, transfer ?? []);
+  } catch (error) {
+    postMessage({ id, error: error.message, fatal: error instanceof WebAssembly.RuntimeError });
+  }
+};
+
+const plain = ({ eye, target, up, fov }) => ({ eye: [...eye], target: [...target], up: [...up], fov });
+
+// Lends the camera and the settings of a message to `use`.
+function withView({ eye, target, up, fov }, wanted, use) {
+  const camera = new Camera(eye, target, up, fov);
+  const settings = new Settings(wanted.width, wanted.height);
+  try {
+    settings.samples = wanted.samples;
+    settings.supersample = wanted.supersample;
+    settings.markSupersampled = wanted.show === 'samples';
+    settings.normals = wanted.normals;
+    settings.effects = wanted.effects;
+    settings.shadows = wanted.effects.includes('shadows');
+    if (wanted.sun) {
+      settings.addSun(wanted.sun, [1, 1, 1]);
+      settings.ambient = [wanted.ambient, wanted.ambient, wanted.ambient];
+    } else if (wanted.demo) {
+      settings.addDemoLights();
+    }
+    return use(camera, settings);
+  } finally {
+    camera.free();
+    settings.free();
+  }
+}
