@@ -126,7 +126,8 @@ pub struct Counters {
     /// Time, by the kernel's clock ([`Kernel::now`]), that shadow rays took, with the short ones to where they start and those through
     /// what is transparent.
     pub shadow_time: u64,
-    /// Time that rays that go on took, with the shading of what they meet, but for the shadows there.
+    /// Time that rays that go on took, with those to where they start if there are no shadow rays, and with the shading of
+    /// what they meet, but for the shadows there.
     pub secondary_time: u64,
 }
 
