@@ -52,11 +52,11 @@ export class Accuracy {
     const key = JSON.stringify([scene, camera, size, effects, sun, ambient]);
     if (key !== this.view.key) this.view = { key, pictures: new Map(), best: null };
     const { samples, supersample, scale } = pass;
-    const rays = scale > 1 ? `1/${scale} size` : `${samples} ${samples > 1 ? 'rays' : 'ray'}`;
-    const where = { all: '', near: ', near', adaptive: ', edges' }[supersample];
+    const rays = scale > 1 ? `1/${scale} size` : supersample !== 'all' ? samples : `${samples} ${samples > 1 ? 'rays' : 'ray'}`;
+    const where = { all: '', near: ' near', adaptive: ' at edges' }[supersample];
     const setting = `${resolution}³ ${NAMES[normals]} ${rays}${where}`;
     const rank = samples === 16 && supersample === 'all' ? resolution * 10 + NORMALS.indexOf(normals) : -1;
-    const picture = { setting, name: `${rays}${where}`, detail: `${resolution}³, ${NAMES[normals]}`, ms, rank, pixels, size: [width, height] };
+    const picture = { setting, name: `${rays}${where}`, detail: `${resolution}³ ${NAMES[normals]}`, ms, rank, pixels, size: [width, height] };
     const { pictures } = this.view;
     pictures.delete(setting);
     pictures.set(setting, picture);
