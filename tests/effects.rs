@@ -1,6 +1,8 @@
 //! Laws of effects: which a scene calls for, that others cost nothing, and what mirrors and glass show, by hand.
 
 use std::collections::HashSet;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use voxdag::camera::Camera;
 use voxdag::color::{Mean, quantize};
@@ -9,7 +11,10 @@ use voxdag::grid::{Bounds, UpAxis};
 use voxdag::material::MaterialId;
 use voxdag::math::{add_scaled, dot, normalize, sub};
 use voxdag::normal::NormalKind;
-use voxdag::render::{Counters, Samples, Settings, View, each_pixel, render_rows};
+use voxdag::render::{
+    Counters, Full, Kernel, Phong, RenderError, Samples, Settings, Shadows, View, each_pixel, render_rows,
+    render_rows_by,
+};
 use voxdag::shade::{Light, LightKind};
 use voxdag::simd::Level;
 use voxdag::trace::{Hit, Query, TopBuf, Tracer};
@@ -42,10 +47,20 @@ impl Materials for Placed {
     fn normal(&self, _: Morton) -> Option<[f32; 3]> {
         None
     }
+
+    fn color(&self, voxel: Morton) -> Option<[u8; 3]> {
+        Some(color_of(voxel.decode()))
+    }
+}
+
+/// The colour of each voxel's texture.
+fn color_of(voxel: [u32; 3]) -> [u8; 3] {
+    voxel.map(|c| (c * 67 % 256) as u8)
 }
 
 type IsFilled<'a> = &'a dyn Fn([u32; 3]) -> bool;
 type Change = fn(&mut Material);
+type Draw<'a> = fn(&View<'a, Placed>, &Settings, Range<u32>, &mut [u32]) -> Result<Counters, RenderError>;
 
 struct Scene {
     words: Vec<u32>,
@@ -74,11 +89,20 @@ impl Scene {
     }
 
     fn drawn(&self, settings: &Settings) -> (Vec<u32>, Counters) {
+        self.drawn_with(settings, render_rows)
+    }
+
+    /// By a kernel that is named.
+    fn drawn_by<K: Kernel>(&self, settings: &Settings) -> (Vec<u32>, Counters) {
+        self.drawn_with(settings, render_rows_by::<K, _, _>)
+    }
+
+    fn drawn_with<'a>(&'a self, settings: &Settings, draw: Draw<'a>) -> (Vec<u32>, Counters) {
         let Scene { materials, ref palette, ref lights, camera, .. } = *self;
         let tracer = Tracer::new(Dag::new(&self.words).unwrap());
         let view = View { tracer, materials, palette, grid: GRID, camera, lights };
         let mut out = vec![0; (settings.width * settings.height) as usize];
-        let counters = render_rows(&view, settings, 0..settings.height, &mut out).unwrap();
+        let counters = draw(&view, settings, 0..settings.height, &mut out).unwrap();
         (out, counters)
     }
 
@@ -485,6 +509,31 @@ fn glass_lets_coloured_light_through_its_shadow() {
     }
 }
 
+/// Ka and Kd of a textured material are multiplied by the colour of each voxel, in linear light.
+#[test]
+fn textures_color_what_is_matte() {
+    let material = Material { ambient: [0.5, 0.25, 1.0], textured: true, ..DARK };
+    let scene = Scene::new(|v| v[1] == 10, |_| 0, &[material], [[30.0, 60.0, 95.0], [31.0, 10.0, 32.0]]);
+    let settings = settings(NormalKind::Face);
+    let (found, counters) = scene.drawn(&settings);
+    let mut hits = 0;
+    for (i, (_, hit)) in scene.seen().into_iter().enumerate() {
+        let Some(hit) = hit else { continue };
+        hits += 1;
+        let texel = color_of(hit.voxel.decode()).map(|byte| {
+            let s = f64::from(byte) / 255.0;
+            if s <= 0.04045 { s / 12.92 } else { libm::pow((s + 0.055) / 1.055, 2.4) }
+        });
+        let expected = [0, 1, 2].map(|k| material.ambient[k] * texel[k] as f32);
+        assert!(is_color(found[i], expected), "{hit:?}");
+    }
+    assert!(hits > 1000 && counters.textures == hits, "{hits} {counters:?}");
+    // As it is without the texture, where nobody asks for it.
+    let plain = Scene { palette: vec![Material { textured: false, ..material }], ..scene };
+    assert_eq!(Effects::needed(&plain.palette, &[]), Effects::NONE);
+    assert_eq!(plain.drawn(&settings).1.textures, 0);
+}
+
 /// A palette that calls for everything, and a scene of small things in front of a floor.
 fn everything(rng: &mut Rng) -> Scene {
     let mut color = |most: f64| [0; 3].map(|_| rng.uniform(0.0, most) as f32);
@@ -500,6 +549,7 @@ fn everything(rng: &mut Rng) -> Scene {
             opacity: 0.4,
             refraction: 1.4,
             illum,
+            textured: illum % 2 == 0,
         });
     }
     // Blocks of 3^3 voxels.
@@ -534,7 +584,11 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let (picture, off) = with(Effects::ALL.difference(effect));
         assert!(picture != full, "{effect:?} shows nowhere");
         let (_, on) = with(effect);
-        let rays = [(Effects::SPECULAR, [off.highlights, on.highlights]), (Effects::SHADOWS, [off.shadow, on.shadow])];
+        let rays = [
+            (Effects::SPECULAR, [off.highlights, on.highlights]),
+            (Effects::SHADOWS, [off.shadow, on.shadow]),
+            (Effects::TEXTURES, [off.textures, on.textures]),
+        ];
         for (what, [off, on]) in rays {
             assert_eq!((off > 0, on > 0), (what != effect, what == effect), "{effect:?}: {what:?}");
         }
@@ -554,7 +608,8 @@ fn what_is_off_costs_nothing_and_is_as_if_it_were_not_called_for() {
         let changed = Scene { palette, lights, words: scene.words.clone(), ..scene };
         (changed.drawn(&settings(NormalKind::Plane1)), Effects::needed(&changed.palette, &changed.lights))
     };
-    let cases: [(Effects, Change, bool); 5] = [
+    let cases: [(Effects, Change, bool); 6] = [
+        (Effects::TEXTURES, |m| m.textured = false, true),
         (Effects::SHADOWS, |_| (), false),
         (Effects::EMISSION, |m| m.emission = BLACK, true),
         (Effects::REFRACTION, |m| m.refraction = 1.0, true),
@@ -590,6 +645,9 @@ fn more_than_is_needed_changes_nothing() {
             if set & 8 == 0 {
                 material.specular = BLACK;
             }
+            if set & 32 == 0 {
+                material.textured = false;
+            }
         }
         scene.lights[0].shadow = set & 16 != 0;
         let settings = settings([NormalKind::Face, NormalKind::Plane2][round % 2]);
@@ -599,6 +657,7 @@ fn more_than_is_needed_changes_nothing() {
 
         // A material that no voxel has, and a black light, call for all the rest.
         let full = Material { specular: WHITE, emission: WHITE, opacity: 0.5, refraction: 2.0, illum: 7, ..DARK };
+        let full = Material { textured: true, ..full };
         scene.palette.push(full);
         scene.lights.push(Light { kind: LightKind::Point([0.0; 3]), color: BLACK, shadow: true });
         assert_eq!(Effects::needed(&scene.palette, &scene.lights), Effects::ALL);
@@ -606,6 +665,96 @@ fn more_than_is_needed_changes_nothing() {
         assert!(found == expected.0, "seed {SEED}, round {round}: {needed:?}");
         assert_eq!(counters.secondary, expected.1.secondary);
     }
+}
+
+/// Mirrors alone, as a program might name them.
+struct Mirrors;
+
+impl Kernel for Mirrors {
+    const EFFECTS: Effects = Effects::PHONG.union(Effects::MIRROR);
+}
+
+/// Rays that go on, without what only colours them.
+struct Glass;
+
+impl Kernel for Glass {
+    const EFFECTS: Effects = Effects::TRANSPARENCY.union(Effects::REFRACTION).union(Effects::SHADOWS);
+}
+
+/// Has a clock, by which all that is called for takes its time.
+struct Timed;
+
+impl Kernel for Timed {
+    const EFFECTS: Effects = Effects::ALL;
+
+    fn now() -> u64 {
+        static CALLS: AtomicU64 = AtomicU64::new(0);
+        CALLS.fetch_add(1, Ordering::Relaxed)
+    }
+}
+
+/// On random scenes: the full kernel is the specification, whatever the narrower one leaves out.
+#[test]
+fn kernels_draw_what_the_full_one_does() {
+    fn agrees<K: Kernel>(scene: &Scene, settings: &Settings, called_for: Effects) -> bool {
+        let found = scene.drawn_by::<K>(settings);
+        let effects = settings.effects.intersection(K::EFFECTS);
+        assert!(
+            found == scene.drawn_by::<Full>(&Settings { effects, ..*settings }),
+            "{:?} of {called_for:?}",
+            K::EFFECTS
+        );
+        let is_enough = K::EFFECTS.contains(called_for);
+        assert!(!is_enough || found == scene.drawn(settings), "{:?} for {called_for:?}", K::EFFECTS);
+        is_enough
+    }
+    const SEED: u64 = 51;
+    let mut rng = Rng::new(SEED);
+    let mut enough = [0; 5];
+    for round in 0..40 {
+        let mut scene = everything(&mut rng);
+        // Few effects are often called for.
+        let set = rng.bits() & rng.bits() | 1 << (round % 6);
+        let off = |effect: u32| set >> effect & 1 == 0;
+        for material in &mut scene.palette {
+            if off(0) {
+                material.emission = BLACK;
+            }
+            if off(1) {
+                (material.opacity, material.transmission) = (1.0, WHITE);
+            }
+            if off(2) {
+                material.refraction = 1.0;
+            }
+            if off(3) {
+                material.specular = BLACK;
+            }
+            if off(5) && matches!(material.illum, 3..=7) {
+                material.illum = 2;
+            }
+        }
+        scene.lights[0].shadow = !off(4);
+        let settings = settings([NormalKind::Face, NormalKind::Plane2][round % 2]);
+        let called_for = Effects::needed(&scene.palette, &scene.lights);
+        let agreed = [
+            agrees::<Phong>(&scene, &settings, called_for),
+            agrees::<Shadows>(&scene, &settings, called_for),
+            agrees::<Mirrors>(&scene, &settings, called_for),
+            agrees::<Glass>(&scene, &settings, called_for),
+            agrees::<Full>(&scene, &settings, called_for),
+        ];
+        enough.iter_mut().zip(agreed).for_each(|(sum, enough)| *sum += u32::from(enough));
+
+        // A clock changes nothing but the times, and those of what is not called for are 0.
+        let (picture, timed) = scene.drawn_by::<Timed>(&settings);
+        let (expected, counters) = scene.drawn(&settings);
+        assert!(picture == expected && Counters { shadow_time: 0, secondary_time: 0, ..timed } == counters);
+        let leaves = Effects::SHADOWS.union(Effects::MIRROR).union(Effects::REFRACTION);
+        assert_eq!(timed.shadow_time > 0, called_for.intersects(leaves), "{called_for:?}: {timed:?}");
+        let goes_on = Effects::MIRROR.union(Effects::TRANSPARENCY);
+        assert_eq!(timed.secondary_time > 0, called_for.intersects(goes_on), "{called_for:?}: {timed:?}");
+    }
+    assert!(enough.iter().all(|count| *count > 2) && enough[0] < 40, "seed {SEED}: {enough:?}");
 }
 
 #[test]

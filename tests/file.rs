@@ -3,13 +3,14 @@
 
 use voxdag::Geometry;
 use voxdag::build::DagBuilder;
+use voxdag::colors::{ColorMode, Colored, ColorsBuf};
 use voxdag::dag::{Dag, DagError};
 use voxdag::file::{self, LoadError, Parts, Scene, Section, WriteError};
 use voxdag::grid::UpAxis;
 use voxdag::grid::{Bounds, Grid};
 use voxdag::layout::AnyGeometry;
 use voxdag::materials::{AnyMaterials, Materials, Single};
-use voxdag::rank::{AnyRank, Prefix, Totals};
+use voxdag::rank::{AnyRank, Prefix, Rank, Totals};
 use voxdag::ranked::{PackedBuf, Ranked};
 use voxdag::ssvdag::SsvdagBuf;
 use voxdag::table::{Entry, Table, TableBuf};
@@ -19,6 +20,7 @@ use voxdag::{Material, Morton};
 const FIXTURE: &[u8] = include_bytes!("fixtures/v1.vxd");
 const FIXTURE_2: &[u8] = include_bytes!("fixtures/v2.vxd");
 const FIXTURE_3: &[u8] = include_bytes!("fixtures/v3.vxd");
+const FIXTURE_4: &[u8] = include_bytes!("fixtures/v4.vxd");
 const FORMAT: &str = include_str!("../docs/format.md");
 const VOXELS: [[u32; 3]; 3] = [[0, 0, 0], [1, 0, 0], [3, 3, 3]];
 const NAMES: [&str; 2] = ["red", "w\u{00e4}nde"];
@@ -58,6 +60,7 @@ fn parts<'a>(dag: &'a [u32], table: Option<&'a [u32]>, materials: &'a [Material]
             Some(words) => AnyMaterials::Table(Table::new(words).unwrap()),
             None => AnyMaterials::Single(Single(1)),
         },
+        colors: None,
         materials,
         names: &NAMES[..materials.len()],
     }
@@ -185,6 +188,8 @@ fn version_1_loads_for_ever() {
         std::fs::write(path, bytes(&tiny_2(&tree()))).unwrap();
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/new_3.vxd");
         std::fs::write(path, bytes(&scattered())).unwrap();
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/new_4.vxd");
+        std::fs::write(path, bytes(&painted(ColorMode::Blocks))).unwrap();
     }
     let words = file::words_from_bytes(FIXTURE).unwrap();
     assert_tiny(&file::read(&words).unwrap());
@@ -229,6 +234,62 @@ fn version_3_loads_for_ever() {
     older[1] = 2;
     mend(&mut older);
     assert_eq!(file::read(&older).unwrap_err(), LoadError::Missing { section: Section::Dag });
+}
+
+/// The colour of a voxel in [`painted`] scenes.
+fn color_of(rank: u64) -> [u8; 3] {
+    [(rank * 3) as u8, 200, if rank < 200 { 90 } else { (rank * rank) as u8 }]
+}
+
+/// Some voxels of a cube of depth 5 with a tree and colours beside it, which take version 4.
+fn painted(mode: ColorMode) -> Vec<u32> {
+    let mut builder = DagBuilder::new(5).unwrap();
+    let mut tree = TreeBuilder::new(5).unwrap();
+    for brick in (0..512).step_by(3) {
+        let code = Morton(brick << 6);
+        builder.push(code, 0x8000_0100_0000_0011).unwrap();
+        tree.push(code, 0x8000_0100_0000_0011, &[0, 1, 1, (brick % 2) as u16]).unwrap();
+    }
+    let (dag, tree) = (builder.finish().unwrap(), tree.finish().unwrap());
+    let counts = Prefix::build(&dag.dag()).unwrap();
+    let prefix = Prefix::new(dag.dag(), &counts).unwrap();
+    let colors = ColorsBuf::new(mode, (0..prefix.count()).map(|rank| Some(color_of(rank)))).unwrap();
+    let mut materials = materials();
+    materials[1].textured = true;
+    let grid = Grid { origin: [0.0; 3], voxel_size: 1.0, resolution: 32 };
+    let good = Parts {
+        grid,
+        voxel_materials: AnyMaterials::Tree(tree.tree()),
+        colors: Some(Colored::new(AnyRank::Prefix(prefix), colors.as_colors()).unwrap()),
+        ..parts(dag.words(), None, &materials)
+    };
+    // Textured materials and colours go together, and the ranks are those of the geometry.
+    let without = Parts { colors: None, ..good }.to_vec();
+    assert_eq!(without, Err(WriteError::Invalid(LoadError::Material { index: 1, field: "textured" })));
+    let ssvdag = SsvdagBuf::build(&dag.dag()).unwrap();
+    let mixed = Parts { geometry: AnyGeometry::Ssvdag(ssvdag.ssvdag()), ..good };
+    assert_eq!(mixed.to_vec(), Err(WriteError::Representation));
+    good.to_vec().unwrap()
+}
+
+#[test]
+fn version_4_loads_for_ever() {
+    let words = file::words_from_bytes(FIXTURE_4).unwrap();
+    for (words, slack) in [(&words, 16), (&painted(ColorMode::Raw), 0)] {
+        let scene = file::read(words).unwrap();
+        assert!(scene.material(1).textured && !scene.material(0).textured);
+        for (rank, voxel) in (0..).zip(scene.geometry.voxels()) {
+            let (found, expected) = (scene.looks().color(voxel).unwrap(), color_of(rank));
+            assert!((0..3).all(|i| found[i].abs_diff(expected[i]) <= slack), "rank {rank}: {found:?} {expected:?}");
+        }
+    }
+    let again = painted(ColorMode::Blocks);
+    assert_eq!(bytes(&again), FIXTURE_4, "the writer changed its words: that takes a new version and a new fixture");
+    // To a reader of version 3 the colours are a section that it does not know, but the texture a bit that means nothing.
+    let mut older = words;
+    older[1] = 3;
+    mend(&mut older);
+    assert_eq!(file::read(&older).unwrap_err(), LoadError::Material { index: 1, field: "textured" });
 }
 
 /// Ids by rank over both layouts, as deep as counts of two words: what is written is read, and no count can be wrong.

@@ -215,8 +215,11 @@ fn textures_keep_their_options_and_their_names() {
         (m.map_kd.unwrap_or_else(|| panic!("{text}: {warnings:?}")), warnings)
     };
     let (map, _) = plain("-s 10 20 30 -o 0.5 -clamp on -mm 0.25 2 -blendu off -boost 1.5 leather brown.png");
-    assert_eq!((map.path.as_str(), map.scale, map.offset), ("leather brown.png", [10.0, 20.0, 30.0], [0.5, 0.0, 0.0]));
-    assert_eq!((map.clamp, map.base, map.gain), (true, 0.25, 2.0));
+    assert_eq!(
+        (map.path.as_str(), map.placement.scale, map.placement.offset),
+        ("leather brown.png", [10.0, 20.0, 30.0], [0.5, 0.0, 0.0])
+    );
+    assert_eq!((map.placement.clamp, map.placement.base, map.placement.gain), (true, 0.25, 2.0));
     for (text, path) in [
         ("wood.png", "wood.png"),
         ("textures\\old wood.png", "textures/old wood.png"),
@@ -233,7 +236,7 @@ fn textures_keep_their_options_and_their_names() {
         assert_eq!((map.path.as_str(), warnings.len()), (path, 0), "{text}: {warnings:?}");
     }
     let (map, _) = plain("wood.png -clamp on -s 2");
-    assert_eq!((map.clamp, map.scale), (true, [2.0, 1.0, 1.0]));
+    assert_eq!((map.placement.clamp, map.placement.scale), (true, [2.0, 1.0, 1.0]));
     let (map, warnings) = plain("-q 3 on wood.png");
     assert_eq!(map.path, "wood.png");
     assert_eq!(warnings, ["a.mtl:2: option \"-q\" of map_Kd is not known; texture \"wood.png\" is used without it"]);

@@ -249,6 +249,7 @@ fn d01_scenes_survive_refusals() {
             metres_per_unit: 0.0,
             geometry: dag.dag().into(),
             voxel_materials: materials.as_materials(None).unwrap(),
+            colors: None,
             materials: &[Material::GREY; 3],
             names: &["a", "b", "c"],
         };

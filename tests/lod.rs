@@ -199,6 +199,7 @@ fn a_coarser_scene_is_a_scene() {
         metres_per_unit: 0.0,
         geometry: AnyGeometry::Dag(coarse.dag()),
         voxel_materials: AnyMaterials::Single(Single(0)),
+        colors: None,
         materials: &[voxdag::Material::GREY],
         names: &["grey"],
     };

@@ -73,6 +73,7 @@ fn take_no_heap(mesh: &Mesh<'_>, bounds: Bounds, grid: Grid, materials: Material
         metres_per_unit: 0.0,
         geometry: built.dag.dag().into(),
         voxel_materials: built.materials.as_materials(None).unwrap(),
+        colors: None,
         materials: &[Material::GREY],
         names: &["grey"],
     };

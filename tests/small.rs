@@ -168,6 +168,7 @@ fn files() {
         metres_per_unit: 0.0,
         geometry: built.dag.dag().into(),
         voxel_materials: AnyMaterials::Table(table.as_table()),
+        colors: None,
         materials: &[Material::GREY],
         names: &["grey"],
     }

@@ -271,6 +271,7 @@ fn a_file_keeps_it_from_version_2_on() {
             metres_per_unit: 0.0,
             geometry: dag.dag().into(),
             voxel_materials: AnyMaterials::Tree(tree.tree()),
+            colors: None,
             materials: &[Material::GREY; 2],
             names: &["a", "b"],
         };

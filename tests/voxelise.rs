@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use voxdag::grid::{Bounds, GridError};
 use voxdag::mesh::MeshError;
-use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
+use voxdag::voxelize::{Cover, Owner, VoxelizeError, Voxelizer};
 use voxdag::{Grid, Mesh, Morton};
 use voxdag_oracle::clip::{self, Aabb, Cell};
 use voxdag_oracle::octree::VoxelSet;
@@ -933,7 +933,7 @@ fn v12_ties_of_one_material_go_by_the_normal() {
         let voxelizer = Voxelizer::new(&mesh, &unit_grid(4), Cover::Exact).unwrap();
         let mut shared = 0;
         let marks = voxelizer.voxelize::<VoxelizeError>(0, |brick| {
-            voxelizer.owners(0, brick, |bit, _, normal| {
+            voxelizer.owners(0, brick, |bit, Owner { normal, .. }| {
                 if brick.triangles.iter().all(|t| t.1 >> bit & 1 == 1) {
                     shared += 1;
                     assert_eq!(normal, [0, 1, 0]);
@@ -956,7 +956,7 @@ fn owners_of(triangles: &[[[f64; 3]; 3]], resolution: u32) -> Vec<([u32; 3], u16
     for subtree in 0..voxelizer.subtrees() {
         let first = voxelizer.subtree_code(subtree).0;
         let marks = voxelizer.voxelize::<VoxelizeError>(subtree, |brick| {
-            voxelizer.owners(subtree, brick, |bit, material, normal| {
+            voxelizer.owners(subtree, brick, |bit, Owner { material, normal, .. }| {
                 owners.push((Morton(first | brick.code.0 | u64::from(bit)).decode(), material, normal));
             });
             Ok(())
@@ -1034,7 +1034,7 @@ fn v12_owners_of_coplanar_triangles_go_by_name() {
         let voxelizer = Voxelizer::new(&mesh, &unit_grid(64), Cover::Exact).unwrap();
         for subtree in 0..voxelizer.subtrees() {
             let marks = voxelizer.voxelize::<VoxelizeError>(subtree, |brick| {
-                voxelizer.owners(subtree, brick, |bit, material, _| {
+                voxelizer.owners(subtree, brick, |bit, Owner { material, .. }| {
                     if brick.triangles.iter().filter(|t| t.1 >> bit & 1 == 1).count() == 2 {
                         both += 1;
                         assert_eq!(material, 0, "{positions:?}");

@@ -1,6 +1,7 @@
 //! A scene at a level of detail, as `--lod` asks for it.
 
 use voxdag::build::{BuildError, DagBuf};
+use voxdag::colors::Painted;
 use voxdag::geometry::Geometry;
 use voxdag::layout::AnyGeometry;
 use voxdag::lod::Lod;
@@ -62,10 +63,10 @@ impl Detail {
     }
 }
 
-/// The materials of a scene's voxels, by way of the finer ones where these are what has materials.
+/// The materials and colours of a scene's voxels, by way of the finer ones where these are what has materials.
 #[derive(Clone, Copy)]
 pub struct Looks<'a> {
-    pub materials: AnyMaterials<'a>,
+    pub fine: Painted<'a, AnyMaterials<'a>>,
     pub lod: Option<Lod<AnyGeometry<'a>>>,
 }
 
@@ -73,16 +74,24 @@ impl Materials for Looks<'_> {
     #[inline]
     fn id(&self, voxel: Morton) -> MaterialId {
         match self.lod {
-            None => self.materials.id(voxel),
-            Some(lod) => lod.materials(self.materials).id(voxel),
+            None => self.fine.id(voxel),
+            Some(lod) => lod.materials(self.fine).id(voxel),
         }
     }
 
     #[inline]
     fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
         match self.lod {
-            None => self.materials.normal(voxel),
-            Some(lod) => lod.materials(self.materials).normal(voxel),
+            None => self.fine.normal(voxel),
+            Some(lod) => lod.materials(self.fine).normal(voxel),
+        }
+    }
+
+    #[inline]
+    fn color(&self, voxel: Morton) -> Option<[u8; 3]> {
+        match self.lod {
+            None => self.fine.color(voxel),
+            Some(lod) => lod.materials(self.fine).color(voxel),
         }
     }
 }

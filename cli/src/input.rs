@@ -131,6 +131,11 @@ impl Companions<'_> {
         }
     }
 
+    /// The account that files are held in.
+    pub fn memory(&self) -> &Memory {
+        self.memory
+    }
+
     /// The files that were read, or why the run cannot go on.
     pub fn finish(self) -> Result<Vec<PathBuf>> {
         self.failure.map_or(Ok(self.read), Err)

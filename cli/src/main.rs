@@ -91,6 +91,7 @@ fn main() {
         Command::Completions(args) => cmd::completions::run(&args),
     };
     if let Err(error) = result {
+        output::wait_if_interrupted();
         std::process::exit(error.report());
     }
 }

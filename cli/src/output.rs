@@ -49,6 +49,11 @@ pub fn clean_up_when_interrupted() {
     }
 }
 
+/// Stays here for ever if an interrupt is cleaning up: what failed may have failed by that, and its exit code is to count.
+pub fn wait_if_interrupted() {
+    drop(half_written());
+}
+
 /// Why an output ends before it is whole.
 pub enum Stop {
     /// It cannot be written.

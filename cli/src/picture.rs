@@ -2,12 +2,14 @@
 
 use std::io::Write;
 use std::ops::Range;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use image::{ExtendedColorType, ImageEncoder};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::camera::Camera;
+use voxdag::colors::{Colored, Painted};
 use voxdag::effects::Effects;
 use voxdag::file::Scene;
 use voxdag::grid::{Bounds, UpAxis};
@@ -15,7 +17,7 @@ use voxdag::layout::AnyGeometry;
 use voxdag::lod::Lod;
 use voxdag::material::MaterialId;
 use voxdag::materials::AnyMaterials;
-use voxdag::render::{Counters, RenderError, Settings, View, render_rows};
+use voxdag::render::{Counters, Kernel, RenderError, Settings, View, render_rows, render_rows_by};
 use voxdag::shade::Light;
 use voxdag::trace::Query;
 use voxdag::trees::Trees;
@@ -48,6 +50,38 @@ pub struct Picture {
     pub derive: Duration,
     /// Following rays and shading.
     pub trace: Duration,
+    /// What of it was for effects, of all threads; 0 without a clock.
+    pub cost: CostMs,
+}
+
+/// Time by effect, as far as it can be told apart, in ms of all threads.
+#[derive(Clone, Copy, Default, Serialize)]
+pub struct CostMs {
+    /// Finding out where rays to lights start, and following them.
+    pub shadows: f64,
+    /// Rays that mirrors and transparent surfaces send on, and the shading of what they meet without its shadows.
+    pub secondary: f64,
+}
+
+/// What is drawn besides, and measured.
+#[derive(Clone, Copy, Default)]
+pub struct Extras {
+    /// Red on the pixels that take all samples.
+    pub mark_supersampled: bool,
+    /// Whether effects are timed.
+    pub timed: bool,
+}
+
+/// Draws everything and has a clock, in ns.
+struct Timed;
+
+impl Kernel for Timed {
+    const EFFECTS: Effects = Effects::ALL;
+
+    fn now() -> u64 {
+        static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+        START.elapsed().as_nanos() as u64
+    }
 }
 
 /// Rays by their purpose.
@@ -67,6 +101,8 @@ pub struct Shown<'a> {
     pub up: UpAxis,
     pub geometry: AnyGeometry<'a>,
     pub materials: AnyMaterials<'a>,
+    /// The colours of textures.
+    pub colors: Option<Colored<'a>>,
     pub palette: Vec<Material>,
     /// Where the geometry is derived from a finer one, whose voxels are those that have materials.
     pub lod: Option<Lod<AnyGeometry<'a>>>,
@@ -84,9 +120,9 @@ pub fn bands([_, height]: [u32; 2]) -> (u32, u32) {
     (band, height / band)
 }
 
-/// Draws on the threads of the current pool; on demand with red on the pixels that take all samples.
-pub fn draw(scene: &Shown<'_>, args: &PictureArgs, mark_supersampled: bool, memory: &Memory) -> Result<Picture> {
-    Prepared::new(scene, args.lod, memory)?.draw(scene, args, mark_supersampled, memory)
+/// Draws on the threads of the current pool.
+pub fn draw(scene: &Shown<'_>, args: &PictureArgs, extras: Extras, memory: &Memory) -> Result<Picture> {
+    Prepared::new(scene, args.lod, memory)?.draw(scene, args, extras, memory)
 }
 
 /// What is derived from a scene to draw it at a level of detail; any number of pictures can be drawn with it.
@@ -129,13 +165,13 @@ impl Prepared {
     }
 
     /// [`draw`]s the scene that it was derived from.
-    pub fn draw(&self, scene: &Shown<'_>, args: &PictureArgs, mark: bool, memory: &Memory) -> Result<Picture> {
+    pub fn draw(&self, scene: &Shown<'_>, args: &PictureArgs, extras: Extras, memory: &Memory) -> Result<Picture> {
         let [width, height] = args.size;
         // Once as pixels and once as bytes for the encoder.
         let mut pixels = room(args.size, 8, &memory.with(self.bytes()))?;
         let begin = Instant::now();
         let (counters, samples, effects, lights, start) =
-            self.with_rows(scene, args, mark, |rows, settings, lights| {
+            self.with_rows(scene, args, extras, |rows, settings, lights| {
                 let start = Instant::now();
                 let counters = in_bands("drawing", args.size, &mut pixels, rows)?;
                 Ok((counters, settings.samples.count(), settings.effects, lights.to_vec(), start))
@@ -153,6 +189,10 @@ impl Prepared {
             effects,
             derive: self.time + (start - begin),
             trace,
+            cost: CostMs {
+                shadows: counters.shadow_time as f64 / 1e6,
+                secondary: counters.secondary_time as f64 / 1e6,
+            },
         })
     }
 
@@ -166,7 +206,7 @@ impl Prepared {
     ) -> Result<(Vec<u32>, Duration)> {
         let (band, _) = bands(args.size);
         let mut pixels = room([args.size[0], band * numbers.len() as u32], 4, &memory.with(self.bytes()))?;
-        let times = self.with_rows(scene, args, false, |rows, _, _| {
+        let times = self.with_rows(scene, args, Extras::default(), |rows, _, _| {
             let bands = pixels.par_chunks_mut((band * args.size[0]) as usize).zip(numbers);
             let timed = bands.map(|(pixels, number)| {
                 let (drawn, time) = stats::timed(|| rows(number * band..(number + 1) * band, pixels));
@@ -182,18 +222,22 @@ impl Prepared {
         &self,
         scene: &Shown<'_>,
         args: &PictureArgs,
-        mark: bool,
+        Extras { mark_supersampled, timed }: Extras,
         draw: impl FnOnce(&Rows<'_>, &Settings, &[Light]) -> Result<T>,
     ) -> Result<T> {
         let scene = &self.detail.of(scene);
         let camera = camera(scene, &args.camera)?;
         let lights = lights(scene, &camera, &args.lighting);
-        let settings = Settings { mark_supersampled: mark, ..settings(scene, &camera, args)? };
+        let settings = Settings { mark_supersampled, ..settings(scene, &camera, args)? };
         // Materials are matched at each hit, which costs nothing measurable.
         with_tracer!(scene.geometry, &self.trees, tracer => {
             let (palette, materials) = (&scene.palette[..], scene.looks());
             let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
-            draw(&|rows, pixels| render_rows(&view, &settings, rows, pixels), &settings, &lights)
+            let rows = |rows, pixels: &mut [u32]| match timed {
+                true => render_rows_by::<Timed, _, _>(&view, &settings, rows, pixels),
+                false => render_rows(&view, &settings, rows, pixels),
+            };
+            draw(&rows, &settings, &lights)
         })
     }
 }
@@ -278,7 +322,8 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
         arithmetic: args.arithmetic.kind(),
         ambient: args.lighting.ambient(),
         background: args.lighting.background(),
-        effects: args.effects,
+        effects: args.effects(),
+        lift: args.lift.unwrap_or(Settings::default().lift),
         ..Settings::default()
     })
 }
@@ -286,14 +331,14 @@ fn settings(scene: &Shown<'_>, camera: &Camera, args: &PictureArgs) -> Result<Se
 impl<'a> Shown<'a> {
     /// What a file holds.
     pub fn of(scene: &Scene<'a>) -> Shown<'a> {
-        let Scene { grid, bounds, up, geometry, materials, .. } = *scene;
+        let Scene { grid, bounds, up, geometry, materials, colors, .. } = *scene;
         let palette = (0..scene.material_count()).map(|id| scene.material(id as MaterialId)).collect();
-        Shown { grid, bounds, up, geometry, materials, palette, lod: None }
+        Shown { grid, bounds, up, geometry, materials, colors, palette, lod: None }
     }
 
     /// The voxels' materials.
     pub fn looks(&self) -> Looks<'a> {
-        Looks { materials: self.materials, lod: self.lod }
+        Looks { fine: Painted { materials: self.materials, colors: self.colors }, lod: self.lod }
     }
 
     /// Whether voxels have normals of their own.

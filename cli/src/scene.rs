@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 use serde::Serialize;
 use voxdag::build::{BuildError, DagBuf};
+use voxdag::colors::{Colored, ColorsBuf, Painted};
 use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::file::{self, LoadError, Parts, Scene};
 use voxdag::geometry::Geometry;
@@ -16,7 +17,9 @@ use voxdag::layout::AnyGeometry;
 use voxdag::materials::{AnyMaterials, MaterialsBuf};
 use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
+use voxdag::rank::AnyRank;
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
+use voxdag::texture::{Texture, decode};
 use voxdag::trace::TopBuf;
 use voxdag::trees;
 use voxdag::voxelize::{Cover, VoxelizeError};
@@ -54,17 +57,24 @@ pub struct Source {
 impl Source {
     /// A model that was not read from a file.
     pub fn of(name: &str, model: Model) -> Source {
-        let bytes = bytes_of(&model.mesh());
+        let bytes = bytes_of(&model);
         Source { path: PathBuf::from(name), model, files: Vec::new(), parse_time: Duration::ZERO, bytes }
     }
 }
 
 /// Parses the text of the mesh at `path`, which is held, with the files beside it. The mesh is held in its stead.
-pub fn import_file(path: &Path, text: Vec<u8>, memory: &mut Memory) -> Result<Source> {
+///
+/// With the pictures that its materials name, if voxels are to have the colours of `textures`.
+pub fn import_file(path: &Path, text: Vec<u8>, textures: bool, memory: &mut Memory) -> Result<Source> {
     let before = memory.held() - text.len() as u64;
     afford_import(path, &text, memory)?;
     let mut beside = Companions::of(path, memory);
-    let source = import(path, &text, |name| beside.resolve(name));
+    let source = import(path, &text, |name| beside.resolve(name)).and_then(|mut source| {
+        if textures {
+            load_textures(&mut source, &mut beside)?;
+        }
+        Ok(source)
+    });
     let files = beside.finish()?;
     let source = Source { files, ..source? };
     drop(text);
@@ -93,15 +103,44 @@ pub fn import(path: &Path, text: &[u8], resolve: impl FnMut(&str) -> Option<Vec<
     let (model, parse_time) = stats::timed(|| obj::import(text, resolve));
     drop(progress);
     let model = model.map_err(|ImportError(note)| Error::new(Kind::BadInput, place(path, &note)))?;
-    for note in model.warnings.iter().take(MAX_WARNINGS) {
+    warn(path, &model.warnings);
+    let bytes = bytes_of(&model);
+    Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time, bytes })
+}
+
+/// Reads the pictures that the materials of a mesh name. Warnings go to stderr.
+fn load_textures(source: &mut Source, beside: &mut Companions<'_>) -> Result<()> {
+    let progress = Progress::stage("textures", 0);
+    let (known, limit) = (
+        source.model.warnings.len(),
+        beside.memory().left().map_or(u64::MAX, |left| left.saturating_sub(source.bytes)),
+    );
+    let (loaded, time) = stats::timed(|| {
+        let decode = |name: &str, left| beside.resolve(name).map(|bytes| decode(name, &bytes, left));
+        source.model.load_textures(decode, limit)
+    });
+    drop(progress);
+    if let Err(needed) = loaded {
+        let needed = needed.saturating_add(source.bytes);
+        let memory = beside.memory();
+        let hint =
+            format!("set --memory-limit to at least {}, or try --textures none", round_up(memory.held() + needed));
+        memory.afford(needed, &format!("reading the textures of {}", source.path.display()), &hint)?;
+    }
+    warn(&source.path, &source.model.warnings[known..]);
+    source.parse_time += time;
+    source.bytes = bytes_of(&source.model);
+    Ok(())
+}
+
+/// Prints the first warnings about the mesh at `path`, and how many there are more.
+fn warn(path: &Path, warnings: &[Warning]) {
+    for note in warnings.iter().take(MAX_WARNINGS) {
         report::warning(place(path, note));
     }
-    if model.warnings.len() > MAX_WARNINGS {
-        let more = model.warnings.len() - MAX_WARNINGS;
-        report::warning(format_args!("{}: and {more} more", path.display()));
+    if warnings.len() > MAX_WARNINGS {
+        report::warning(format_args!("{}: and {} more", path.display(), warnings.len() - MAX_WARNINGS));
     }
-    let bytes = bytes_of(&model.mesh());
-    Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time, bytes })
 }
 
 /// Lays the grid out as the flags say.
@@ -123,6 +162,7 @@ pub struct Built {
     up: UpAxis,
     layout: Layout,
     voxel_materials: MaterialsBuf,
+    colors: Option<ColorsBuf>,
     materials: Vec<Material>,
     names: Vec<String>,
     pub triangles: usize,
@@ -148,6 +188,8 @@ pub struct Bytes {
     pub bricks: u64,
     /// What says which material a voxel has.
     pub materials: u64,
+    /// The colours of textures.
+    pub colors: u64,
     /// Header, parameters and names of the materials.
     pub other: u64,
     /// All together.
@@ -156,24 +198,34 @@ pub struct Bytes {
 
 impl Bytes {
     /// Of a file of `file` bytes whose geometry has these counts.
-    pub fn of(geometry: AnyGeometry<'_>, stats: &Stats, materials: AnyMaterials<'_>, file: u64) -> Bytes {
+    pub fn of(geometry: AnyGeometry<'_>, stats: &Stats, looks: Painted<'_, AnyMaterials<'_>>, file: u64) -> Bytes {
         let bricks = 8 * stats.levels[usize::from(BRICK_LEVEL)].unique;
         let nodes = 4 * geometry.words().len() as u64 - bricks;
-        let materials = (size_of_val(materials.count_words()) + size_of_val(materials.words())) as u64;
-        Bytes { nodes, bricks, materials, other: file.saturating_sub(nodes + bricks + materials), file }
+        let Painted { materials, colors } = looks;
+        // The counts of ranks belong to the materials if these go by them, else to the colours.
+        let counts = |rank: Option<AnyRank<'_>>| rank.and_then(|rank| rank.words()).map_or(0, size_of_val);
+        let colors = colors.map_or(0, |colored| {
+            let own = if materials.rank().is_some() { 0 } else { counts(Some(colored.rank())) };
+            (own + size_of_val(colored.colors().words())) as u64
+        });
+        let materials = (counts(materials.rank()) + size_of_val(materials.words())) as u64;
+        Bytes {
+            nodes,
+            bricks,
+            materials,
+            colors,
+            other: file.saturating_sub(nodes + bricks + materials + colors),
+            file,
+        }
     }
 
     /// For people.
     pub fn text(&self) -> String {
-        let Bytes { nodes, bricks, materials, .. } = *self;
-        format!(
-            "{} ({}): nodes {}, bricks {}, materials {}",
-            grouped(self.file),
-            size(self.file),
-            size(nodes),
-            size(bricks),
-            size(materials)
-        )
+        let Bytes { nodes, bricks, materials, colors, .. } = *self;
+        let parts = [("nodes", nodes), ("bricks", bricks), ("materials", materials), ("colors", colors)];
+        let parts = parts.iter().filter(|(name, bytes)| *name != "colors" || *bytes > 0);
+        let parts: Vec<_> = parts.map(|(name, bytes)| format!("{name} {}", size(*bytes))).collect();
+        format!("{} ({}): {}", grouped(self.file), size(self.file), parts.join(", "))
     }
 }
 
@@ -245,7 +297,7 @@ pub fn voxelize<T>(
     // Sort the triangles into parts, build the parts on all threads and join them as they come.
     let options = options(args, materials, memory.left());
     let start = Instant::now();
-    let build = Build::new(&mesh, &grid, &options).map_err(refused)?;
+    let build = Build::new(&mesh, &grid, &options).map_err(refused)?.with_textures(&source.model.textures);
     let mut join = build.join().map_err(refused)?;
     let mut reduce = Duration::ZERO;
     let progress = Progress::stage("voxelizing", build.parts() as u64);
@@ -278,13 +330,21 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
     let built = voxelize(source, args, mode, memory, |voxels| {
         let Voxels { grid, bounds, dag, mut pending, voxelize, reduce } = voxels;
         let progress = Progress::stage("materials", 0);
-        let (voxel_materials, time) = stats::timed(|| voxel_materials(&pending, dag.dag(), mode));
-        drop(progress);
+        let (voxel_materials, mut time) = stats::timed(|| voxel_materials(&pending, dag.dag(), mode));
         let voxel_materials = voxel_materials?;
         pending.hold(size_of_val(voxel_materials.words()) as u64);
+        let (colors, took) = stats::timed(|| match args.textures.unwrap_or_default().mode() {
+            Some(mode) => pending.colors(&dag.dag(), mode),
+            None => Ok(None),
+        });
+        let colors = colors?;
+        time += took;
+        drop(progress);
+        pending.hold(colors.as_ref().map_or(0, |colors| size_of_val(colors.as_colors().words())) as u64);
         let dag = Arc::new(dag);
         let kind = args.geometry.unwrap_or_default();
-        let (layout, laid_out) = stats::timed(|| layout(&pending, &dag, kind, voxel_materials.needs_rank()));
+        let (layout, laid_out) =
+            stats::timed(|| layout(&pending, &dag, kind, voxel_materials.needs_rank() || colors.is_some()));
         let layout = layout?;
         let (materials, names) = match voxel_materials {
             MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
@@ -300,6 +360,7 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
             stats: layout.geometry().stats().map_err(|bytes| VoxelizeError::Memory { bytes: bytes as u64 })?,
             layout,
             voxel_materials,
+            colors,
             materials,
             names,
             triangles: source.model.mesh().triangles.len(),
@@ -346,7 +407,15 @@ pub fn voxel_materials(
 impl Built {
     /// Bytes that it takes in memory.
     pub fn held(&self) -> u64 {
-        4 * (self.layout.words() + self.voxel_materials.words().len()) as u64
+        let colors = self.colors.as_ref().map_or(0, |colors| colors.as_colors().words().len());
+        4 * (self.layout.words() + self.voxel_materials.words().len() + colors) as u64
+    }
+
+    /// The colours of textures.
+    fn colored(&self) -> Option<Colored<'_>> {
+        let rank = self.layout.rank();
+        let colored = self.colors.as_ref().zip(rank).map(|(colors, rank)| Colored::new(rank, colors.as_colors()));
+        colored.map(|colored| colored.expect("colours are of the same voxels"))
     }
 
     fn voxel_materials(&self) -> AnyMaterials<'_> {
@@ -362,6 +431,7 @@ impl Built {
             up: self.up,
             geometry: self.layout.geometry(),
             materials: self.voxel_materials(),
+            colors: self.colored(),
             palette: self.materials.clone(),
             lod: None,
         }
@@ -377,6 +447,7 @@ impl Built {
             metres_per_unit: 0.0,
             geometry: self.layout.geometry(),
             voxel_materials: self.voxel_materials(),
+            colors: self.colored(),
             materials: &self.materials,
             names: &names,
         })
@@ -385,7 +456,8 @@ impl Built {
     /// Bytes that the `.vxd` file has.
     pub fn bytes(&self) -> Bytes {
         let file = self.with_parts(|parts| 4 * parts.file_len());
-        Bytes::of(self.layout.geometry(), &self.stats, self.voxel_materials(), file)
+        let looks = Painted { materials: self.voxel_materials(), colors: self.colored() };
+        Bytes::of(self.layout.geometry(), &self.stats, looks, file)
     }
 
     /// Writes the `.vxd` file; the geometry and what finds materials go out as they are.
@@ -425,11 +497,13 @@ pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
 }
 
-/// What a mesh takes in memory.
-fn bytes_of(mesh: &Mesh<'_>) -> u64 {
-    let Mesh { positions, triangles, materials, name_order, uvs, normals } = *mesh;
+/// What a model takes in memory.
+fn bytes_of(model: &Model) -> u64 {
+    let Mesh { positions, triangles, materials, name_order, uvs, normals } = model.mesh();
     let sizes = [size_of_val(positions), size_of_val(triangles), size_of_val(materials), size_of_val(name_order)];
-    sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum()
+    let mesh: u64 = sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum();
+    let textures = model.textures.iter().flat_map(|maps| [&maps.diffuse, &maps.dissolve]).flatten();
+    mesh + textures.map(Texture::bytes).sum::<u64>()
 }
 
 /// Refuses a mesh that reaches out of a grid that was chosen by hand.

@@ -13,7 +13,7 @@ use voxdag::trees;
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::options::PictureArgs;
-use crate::picture::{self, Picture, Rays, Shown};
+use crate::picture::{self, CostMs, Picture, Rays, Shown};
 use crate::scene;
 
 /// What a picture shows.
@@ -88,6 +88,7 @@ pub fn draw(shown: &Shown<'_>, args: &PictureArgs, show: Show, memory: &Memory) 
         hits,
         supersampled: 0.0,
         effects: Effects::NONE,
+        cost: CostMs::default(),
         derive: Duration::ZERO,
         trace,
     };

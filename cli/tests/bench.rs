@@ -213,6 +213,30 @@ fn accuracy_of_the_textbook_methods() {
 }
 
 #[test]
+fn effects_by_kernel_and_one_by_one() {
+    let s = Sandbox::new();
+    let json = s.ok(&format!("bench effects studio -r 64 {SMALL}")).json();
+    positive(&json, "auto.ns named_to_auto full_to_auto all_to_auto noise shadows.added_to_any_hit shadows.any_hit_ms");
+    assert_eq!((&json["kernel"], &json["same_bytes"]), (&"full".into(), &true.into()));
+    let names = ["specular", "shadows", "mirror", "transparency", "refraction", "emission"];
+    assert_eq!(json["effects"], serde_json::json!(names));
+    for (row, name) in json["by_effect"].as_array().unwrap().iter().zip(names) {
+        assert_eq!(row["effect"], name);
+        let zero = |kind: &str| row["rays_without"][kind] == 0;
+        assert_eq!((zero("shadow"), zero("primary"), zero("secondary")), (name == "shadows", false, false));
+    }
+    // Its rays are all that the renderer counts.
+    let plain = s.ok(&format!("bench effects box.obj -r 64 {SMALL}")).json();
+    assert_eq!((&plain["kernel"], &plain["same_bytes"]), (&"phong".into(), &true.into()));
+    assert_eq!(plain["shadows"]["rays"], plain["by_effect"][0]["rays"]["shadow"]);
+    let casting = s.ok(&format!("bench effects box.obj -r 64 --shadows {SMALL}")).json();
+    assert_eq!(
+        (&casting["kernel"], &casting["effects"]),
+        (&"shadows".into(), &serde_json::json!(["specular", "shadows"]))
+    );
+}
+
+#[test]
 fn what_cannot_be_measured() {
     let s = Sandbox::new();
     s.run("bench trace box.obj -r 16 --eye 9,9,9 --target 10,10,10").fails(2, &["no ray", "--eye"]);

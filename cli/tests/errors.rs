@@ -335,6 +335,7 @@ fn scene_with_entries(s: &Sandbox, name: &str, entries: &[u32]) {
         metres_per_unit: 0.0,
         geometry: dag.dag().into(),
         voxel_materials: AnyMaterials::Table(table.as_table()),
+        colors: None,
         materials: &[voxdag::Material::GREY],
         names: &["grey"],
     };

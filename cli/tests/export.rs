@@ -151,6 +151,7 @@ fn fullest_cube(s: &Sandbox, name: &str, table: bool) {
         metres_per_unit: 0.0,
         geometry: cube.dag().into(),
         voxel_materials: if table { AnyMaterials::Table(entries.as_table()) } else { AnyMaterials::Single(Single(0)) },
+        colors: None,
         materials: &[Material::GREY],
         names: &["grey"],
     };

@@ -136,13 +136,16 @@ fn render_reports_what_it_did() {
     let json = s.ok("render box.obj -o box.png -r 64 --size 80x60 --samples 5 --json").json();
     has_keys(
         &json,
-        "width height samples supersample supersampled rays.primary rays.shadow rays.secondary hits ms.trace ms.total effects",
+        "width height samples supersample supersampled rays.primary rays.shadow rays.secondary hits ms.trace ms.total effects \
+         cost_ms.shadows cost_ms.secondary",
     );
     assert_eq!((&json["width"], &json["height"], &json["samples"]), (&80.into(), &60.into(), &5.into()));
     assert_eq!(json["rays"]["primary"], 80 * 60 * 5);
     let hits = json["hits"].as_u64().unwrap();
     assert!(hits > 80 * 60 * 5 / 20 && hits < 80 * 60 * 5, "the box fills a part of the picture: {hits}");
     assert!(json["effects"].is_array());
+    // What is not called for takes no time.
+    assert_eq!((&json["cost_ms"]["shadows"], &json["cost_ms"]["secondary"]), (&0.0.into(), &0.0.into()));
 }
 
 #[test]
@@ -167,7 +170,11 @@ fn shadows_fall_where_a_light_is_hidden() {
         assert_eq!(found[UPPER], lit[UPPER], "{light}");
         assert_eq!(found[LOWER] != lit[LOWER], hides, "{light}");
         assert!(found.iter().zip(&lit).all(|(found, lit)| found[0] <= lit[0]));
+        assert!(json["cost_ms"]["shadows"].as_f64() > Some(0.0) && json["cost_ms"]["secondary"] == 0.0, "{json:#}");
+        // Sides need no lift.
+        assert_eq!(render(&format!("{light} --shadows --lift 0")).0, found);
     }
+    s.run("render two.vxd -o two.png --lift -1").fails(2, &["--lift", "0 to 16"]);
     // The default light casts shadows, too.
     assert!(render("--shadows").1["rays"]["shadow"].as_u64() > Some(0));
 }
@@ -304,4 +311,22 @@ fn the_demo_draws_its_picture() {
     assert!(s.read("voxdag-demo.png").starts_with(b"\x89PNG"));
     assert!(run.stderr.contains("next: "), "{}", run.stderr);
     assert_eq!(s.files(), ["box.mtl", "box.obj", "voxdag-demo.png"]);
+}
+
+/// From low above a floor of steps, lit at a slant.
+#[test]
+fn a_lift_takes_the_shadows_of_steps_away() {
+    let s = Sandbox::new();
+    s.write("floor.obj", "v 0 0 0\nv 10 1 0\nv 10 1 10\nv 0 0 10\nf 1 2 3 4\n");
+    s.ok("build floor.obj -o floor.vxd -r 128");
+    let darkest = |flags: &str| {
+        s.ok(&format!(
+            "render floor.vxd -o floor.png --size 320x240 --samples 1 --sun=3,1,0.5 --ambient 0 --shadows {flags}"
+        ));
+        let pixels = image::load_from_memory(&s.read("floor.png")).unwrap().into_rgba8();
+        pixels.pixels().filter(|pixel| pixel.0[0] == 0).count()
+    };
+    let (lifted, on_the_steps) = (darkest("--lift 1"), darkest("--lift 0"));
+    assert_eq!(darkest(""), lifted);
+    assert!(on_the_steps > 100 && 10 * lifted < on_the_steps, "{lifted} {on_the_steps}");
 }

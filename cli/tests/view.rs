@@ -52,6 +52,13 @@ fn a_view_is_the_flags_that_it_stands_for() {
         let rest = [&rest[..at], &rest[at + 2..]].concat().join(" ");
         assert_eq!(won, picture(&s, &format!("{rest} {flag}")), "{flag}");
     }
+    // So does a set of effects.
+    s.write("phong.toml", format!("effects = \"phong\"\n{VIEW}"));
+    for (flags, set) in [("", "phong"), ("--effects auto", "auto"), ("--effects=-specular", "-specular")] {
+        let found = picture(&s, &format!("--view phong.toml --shadows {flags}"));
+        assert_eq!(found, picture(&s, &format!("{FLAGS} --shadows --effects={set}")), "{flags}");
+    }
+    assert_ne!(picture(&s, "--view phong.toml --shadows"), picture(&s, "--view view.toml --shadows"));
     // Lights replace lights.
     let (camera, _) = FLAGS.split_once("--light").unwrap();
     assert_eq!(picture(&s, "--view view.toml --sun 1,0,1"), picture(&s, &format!("{camera} --sun 1,0,1")));

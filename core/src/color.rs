@@ -39,6 +39,17 @@ pub const fn srgb_to_linear(s: f64) -> f64 {
     square * root
 }
 
+/// The quantised linear value of each sRGB byte.
+pub const LINEAR: [u16; 256] = {
+    let mut linear = [0; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        linear[byte] = (srgb_to_linear(byte as f64 / 255.0) * WHITE as f64 + 0.5) as u16;
+        byte += 1;
+    }
+    linear
+};
+
 /// The sRGB byte of a quantised linear value; [`WHITE`] and everything above it is 255.
 #[inline]
 pub fn linear_to_srgb8(linear: u32) -> u8 {

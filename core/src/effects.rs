@@ -28,6 +28,8 @@ impl Effects {
     pub const REFRACTION: Effects = Effects(1 << 4);
     /// Light of its own: Ke above 0.
     pub const EMISSION: Effects = Effects(1 << 5);
+    /// Colours of textures: materials that have one.
+    pub const TEXTURES: Effects = Effects(1 << 6);
     /// The thesis's shading: highlights and nothing else.
     pub const PHONG: Effects = Effects::SPECULAR;
     /// All there are.
@@ -55,7 +57,8 @@ impl Effects {
                 | when(matches!(material.illum, 3..=7) && material.specular != [0.0; 3], Effects::MIRROR)
                 | when(is_clear, Effects::TRANSPARENCY)
                 | when(is_clear && bends(material), Effects::REFRACTION)
-                | when(material.emission != [0.0; 3], Effects::EMISSION),
+                | when(material.emission != [0.0; 3], Effects::EMISSION)
+                | when(material.textured, Effects::TEXTURES),
         )
     }
 
@@ -99,8 +102,8 @@ impl Effects {
         (0..NAMES.len()).map(|i| Effects(1 << i)).filter(move |effect| self.contains(*effect))
     }
 
-    /// The names of the set's effects: of `specular`, `shadows`, `mirror`, `transparency`, `refraction`, `emission`, in
-    /// this order.
+    /// The names of the set's effects: of `specular`, `shadows`, `mirror`, `transparency`, `refraction`, `emission`,
+    /// `textures`, in this order.
     pub fn names(self) -> impl Iterator<Item = &'static str> {
         self.iter().map(|effect| NAMES[effect.0.trailing_zeros() as usize])
     }
@@ -112,7 +115,7 @@ impl Effects {
 }
 
 /// By bit.
-const NAMES: [&str; 6] = ["specular", "shadows", "mirror", "transparency", "refraction", "emission"];
+const NAMES: [&str; 7] = ["specular", "shadows", "mirror", "transparency", "refraction", "emission", "textures"];
 
 impl core::fmt::Debug for Effects {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {

@@ -40,6 +40,9 @@ pub mod triangulate;
 #[cfg(feature = "obj")]
 mod text;
 
+#[cfg(feature = "alloc")]
+pub mod texture;
+
 #[cfg(feature = "obj")]
 pub mod mtl;
 
@@ -73,6 +76,8 @@ pub mod wide;
 pub mod ranked;
 
 pub mod materials;
+
+pub mod colors;
 
 pub mod lod;
 

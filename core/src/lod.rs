@@ -140,4 +140,9 @@ impl<G: Geometry, M: Materials> Materials for LodMaterials<G, M> {
     fn normal(&self, voxel: Morton) -> Option<[f32; 3]> {
         self.lod.first(voxel).and_then(|first| self.fine.normal(first))
     }
+
+    #[inline]
+    fn color(&self, voxel: Morton) -> Option<[u8; 3]> {
+        self.lod.first(voxel).and_then(|first| self.fine.color(first))
+    }
 }

@@ -26,6 +26,8 @@ pub struct Material {
     pub refraction: f32,
     /// illum: the MTL illumination model, 0 to 10.
     pub illum: u8,
+    /// map_Kd: Ka and Kd are multiplied by the colour that each voxel has of its texture.
+    pub textured: bool,
 }
 
 /// Largest exponent of a highlight; larger ones are drawn with this one.
@@ -58,6 +60,7 @@ impl Material {
         opacity: 1.0,
         refraction: 1.0,
         illum: 1,
+        textured: false,
     };
 
     /// The same material with its exponent within 1 to [`MAX_SHININESS`], or which field is not finite or is negative.

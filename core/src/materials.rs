@@ -18,6 +18,13 @@ pub trait Materials: Copy + Sync {
 
     /// The outward unit normal stored with the voxel; `None` if there is none.
     fn normal(&self, voxel: Morton) -> Option<[f32; 3]>;
+
+    /// The colour that its texture has there, sRGB bytes; `None` if there is none. Asked for where the material is
+    /// [`textured`](crate::Material::textured).
+    #[inline]
+    fn color(&self, _voxel: Morton) -> Option<[u8; 3]> {
+        None
+    }
 }
 
 /// One material for all voxels.

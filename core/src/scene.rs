@@ -18,6 +18,7 @@
 use alloc::vec::Vec;
 
 use crate::build::{BuildError, DagBuf, DagBuilder};
+use crate::colors::{ColorMode, ColorsBuf};
 use crate::dag::Dag;
 use crate::grid::Grid;
 use crate::material::MaterialId;
@@ -26,8 +27,9 @@ use crate::mesh::Mesh;
 use crate::morton::Morton;
 use crate::ranked::{MoxelsBuf, PackedBuf, PalettesBuf};
 use crate::table::{Entry, InsertError, Table, TableBuf};
+use crate::texture::Maps;
 use crate::tree::{TreeBuf, TreeBuilder};
-use crate::voxelize::{Cover, Marked, VoxelizeError, Voxelizer};
+use crate::voxelize::{Cover, Marked, Owner, VoxelizeError, Voxelizer};
 
 /// How materials are kept beside the DAG.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -167,6 +169,12 @@ impl<'m> Build<'m> {
         // The estimate of voxels can be too high by as much as triangles share voxels; half of it is safe to refuse by.
         build.within(table_bytes(options.materials, build.voxelizer.estimate() / 2))?;
         Ok(build)
+    }
+
+    /// With the textures of the materials, by id: colours ([`PendingMaterials::colors`]) and what is cut out.
+    pub fn with_textures(mut self, textures: &'m [Maps]) -> Build<'m> {
+        self.voxelizer = self.voxelizer.with_textures(textures);
+        self
     }
 
     /// Refuses `needed` bytes beside the sorted triangles if they are over the limit.
@@ -334,6 +342,19 @@ impl PendingMaterials<'_, '_> {
         Ok(voxels)
     }
 
+    /// The colours of the voxels of `dag`, the DAG that these owners came with; `None` if no voxel has a texture.
+    pub fn colors(&self, dag: &Dag<'_>, mode: ColorMode) -> Result<Option<ColorsBuf>, SceneError> {
+        if self.owners.colors.is_empty() {
+            return Ok(None);
+        }
+        let voxels: u64 = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
+        self.afford(dag, voxels.saturating_mul(3))?;
+        let mut colors = self.owners.colors.iter().copied();
+        let of = |material| if self.build.voxelizer.is_textured(material) { colors.next() } else { None };
+        let buf = ColorsBuf::new(mode, self.entries(dag).map(|(_, entry)| entry.material).map(of))?;
+        Ok(Some(buf))
+    }
+
     /// Every voxel of `dag`, the DAG that these owners came with, in Morton order with its entry.
     pub fn entries(&self, dag: &Dag<'_>) -> impl Iterator<Item = (Morton, Entry)> {
         self.owners.entries(dag)
@@ -392,6 +413,8 @@ struct Owners {
     mixed: Vec<MaterialId>,
     /// Where normals are kept, one per voxel of any brick; zero where the owner has no area.
     normals: Vec<[f32; 3]>,
+    /// Of voxels whose material has a texture.
+    colors: Vec<[u8; 3]>,
 }
 
 const MIXED: u32 = u32::MAX;
@@ -407,8 +430,9 @@ fn extend<T: Copy>(list: &mut Vec<T>, more: &[T]) -> Result<(), SceneError> {
 impl Owners {
     /// Bytes of the lists.
     fn bytes(&self) -> u64 {
-        let Owners { bricks, mixed, normals } = self;
-        (size_of_val(&bricks[..]) + size_of_val(&mixed[..]) + size_of_val(&normals[..])) as u64
+        let Owners { bricks, mixed, normals, colors } = self;
+        let lists = [size_of_val(&bricks[..]), size_of_val(&mixed[..]), size_of_val(&normals[..])];
+        (lists.iter().sum::<usize>() + size_of_val(&colors[..])) as u64
     }
 
     fn push(
@@ -420,14 +444,21 @@ impl Owners {
     ) -> Result<(), SceneError> {
         let uniform = voxelizer.uniform_material(brick);
         extend(&mut self.bricks, &[uniform.map_or(MIXED, u32::from)])?;
-        if normals || uniform.is_none() {
+        let textured = voxelizer.may_have_colors(brick);
+        if normals || textured || uniform.is_none() {
             let (mut ids, mut directions, mut count) = ([0; 64], [[0.0; 3]; 64], 0);
-            voxelizer.owners(part, brick, |_, material, normal| {
+            let (mut colors, mut painted) = ([[0; 3]; 64], 0);
+            voxelizer.owners(part, brick, |_, Owner { material, normal, color }| {
                 ids[count] = material;
                 let unit = crate::math::normalize(normal.map(|x| x as f64)).unwrap_or([0.0; 3]);
                 directions[count] = unit.map(|x| x as f32);
                 count += 1;
+                if let Some(color) = color {
+                    colors[painted] = color;
+                    painted += 1;
+                }
             });
+            extend(&mut self.colors, &colors[..painted])?;
             if uniform.is_none() {
                 extend(&mut self.mixed, &ids[..count])?;
             }
@@ -441,6 +472,7 @@ impl Owners {
     fn append(&mut self, other: Owners) -> Result<(), SceneError> {
         extend(&mut self.bricks, &other.bricks)?;
         extend(&mut self.mixed, &other.mixed)?;
+        extend(&mut self.colors, &other.colors)?;
         extend(&mut self.normals, &other.normals)
     }
 

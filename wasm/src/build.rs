@@ -1,8 +1,10 @@
 //! From files to the words of a `.vxd`, on this thread; a worker that builds is cancelled by ending it.
 
+use voxdag::colors::{ColorMode, Colored};
 use voxdag::file::{self, Parts};
 use voxdag::grid::UpAxis;
 use voxdag::obj::{self, Model, Warning};
+use voxdag::rank::{AnyRank, Prefix};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::{Grid, Material};
 use wasm_bindgen::prelude::*;
@@ -88,7 +90,7 @@ fn voxels(
     let mesh = model.mesh();
     let bounds = mesh.validate()?;
     let grid = Grid::fit(&bounds, resolution)?;
-    let build = Build::new(&mesh, &grid, &Options::default())?;
+    let build = Build::new(&mesh, &grid, &Options::default())?.with_textures(&model.textures);
     let mut join = build.join()?;
     for part in 0..build.parts() {
         join.add(build.part(part)?)?;
@@ -96,6 +98,12 @@ fn voxels(
     }
     let (dag, pending) = join.finish()?;
     let voxel_materials = pending.materials(&dag.dag(), MaterialMode::Tree)?;
+    let colors = pending.colors(&dag.dag(), ColorMode::Blocks)?;
+    let counts = if colors.is_some() { Prefix::build(&dag.dag())? } else { Vec::new() };
+    let colored = match &colors {
+        Some(colors) => Some(Colored::new(AnyRank::Prefix(Prefix::new(dag.dag(), &counts)?), colors.as_colors())?),
+        None => None,
+    };
     let materials: Vec<Material> = model.materials.iter().map(|named| named.material).collect();
     let names: Vec<&str> = model.materials.iter().map(|named| named.name.as_str()).collect();
     let parts = Parts {
@@ -105,6 +113,7 @@ fn voxels(
         metres_per_unit: 0.0,
         geometry: dag.dag().into(),
         voxel_materials: voxel_materials.as_materials(None)?,
+        colors: colored,
         materials: &materials,
         names: &names,
     };

@@ -172,7 +172,7 @@ impl Settings {
         Ok(())
     }
 
-    /// Effects that may be drawn, by name: "specular", "shadows", "mirror", "transparency", "refraction", "emission".
+    /// Effects that may be drawn, by name: "specular", "shadows", "mirror", "transparency", "refraction", "emission", "textures".
     #[wasm_bindgen(setter)]
     pub fn set_effects(&mut self, names: Vec<String>) -> Result<(), JsError> {
         let mut effects = Effects::NONE;

@@ -3,8 +3,9 @@
 use std::cell::Cell;
 
 use voxdag::Material;
+use voxdag::colors::Painted;
 use voxdag::effects::Effects;
-use voxdag::file::{LoadError, Scene};
+use voxdag::file::LoadError;
 use voxdag::geometry::Geometry;
 use voxdag::layout::AnyGeometry;
 use voxdag::material::MaterialId;
@@ -179,8 +180,9 @@ impl Viewer {
         tracer(self.wide.as_wide(), self.top.as_ref()).with_level(Level::best())
     }
 
-    fn view<'a>(&'a self, camera: &Camera, lights: &'a [Light]) -> View<'a, AnyMaterials<'a>, Wide<'a>> {
-        let Scene { grid, materials, .. } = *self.loaded.scene();
+    fn view<'a>(&'a self, camera: &Camera, lights: &'a [Light]) -> View<'a, Painted<'a, AnyMaterials<'a>>, Wide<'a>> {
+        let scene = self.loaded.scene();
+        let (grid, materials) = (scene.grid, scene.looks());
         View { tracer: self.tracer(), materials, palette: &self.palette, grid, camera: camera.0, lights }
     }
 

@@ -1,6 +1,6 @@
 // What the visitor chose, and how a link carries it: `#name=value&...`, only what differs from the beginning.
 
-export const EFFECTS = ['specular', 'shadows', 'mirror', 'transparency', 'refraction', 'emission'];
+export const EFFECTS = ['specular', 'shadows', 'mirror', 'transparency', 'refraction', 'emission', 'textures'];
 
 const BEGINNING = {
   scene: '', // a URL; none for the scene that comes along

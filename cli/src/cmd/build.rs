@@ -80,7 +80,12 @@ pub fn run(args: &Args) -> Result<()> {
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
 
-    let source = scene::import_file(&args.mesh, input::read_mesh(&args.mesh, &mut memory)?, &mut memory)?;
+    let source = scene::import_file(
+        &args.mesh,
+        input::read_mesh(&args.mesh, &mut memory)?,
+        args.build.reads_textures(),
+        &mut memory,
+    )?;
     output.must_not_replace(&source.files)?;
     let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
     let (written, write) = stats::timed(|| output.finish(|file| built.write(file)));

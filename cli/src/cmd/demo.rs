@@ -1,34 +1,57 @@
-//! `voxdag demo`: the main job on the scene that comes along, on the way that a user's own mesh takes.
+//! `voxdag demo`: the main job on the scenes that come along, on the way that a user's own mesh takes.
 
 use std::path::Path;
 use std::time::Instant;
 
+use clap::ValueEnum;
 use serde::Serialize;
-use voxdag::demo;
-use voxdag::effects::Effects;
+use voxdag::demo::{self, DemoView, studio};
 use voxdag::shade::LightKind;
 
 use crate::error::{Error, Result};
 use crate::memory::Memory;
 use crate::options::{
     ArithmeticArg, BuildArgs, CameraArgs, LightArg, LightingArgs, MachineArgs, NormalsArg, PictureArgs, ReportArgs,
+    SupersampleArg,
 };
 use crate::output::Output;
-use crate::picture;
+use crate::picture::{self, Extras, Rays};
 use crate::report::{self, Lines, grouped, time};
 use crate::scene::{self, Bytes, Cost, Source};
 use crate::stats::{self, ms};
 
-/// Build and draw the scene that comes along, into voxdag-demo.png
+/// Build and draw a scene that comes along, into voxdag-demo.png or voxdag-studio.png
 #[derive(clap::Args)]
 pub struct Args {
+    /// Which one
+    #[arg(value_enum, default_value_t)]
+    scene: DemoScene,
+
     #[command(flatten)]
     report: ReportArgs,
     #[command(flatten)]
     machine: MachineArgs,
 }
 
-const PICTURE: &str = "voxdag-demo.png";
+/// A scene that comes along.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum DemoScene {
+    /// A columned hall: highlights alone
+    #[default]
+    Hall,
+    /// A studio with mirrors, glass and several lights: all effects
+    Studio,
+}
+
+impl DemoScene {
+    /// The file that its picture goes to.
+    fn picture(self) -> &'static str {
+        match self {
+            DemoScene::Hall => "voxdag-demo.png",
+            DemoScene::Studio => "voxdag-studio.png",
+        }
+    }
+}
 
 /// What `demo --json` prints.
 #[derive(Serialize)]
@@ -47,6 +70,7 @@ struct Report {
     ms: Ms,
     peak_rss_bytes: Option<u64>,
     threads: usize,
+    rays: Rays,
     picture: &'static str,
 }
 
@@ -64,15 +88,15 @@ struct Ms {
 pub fn run(args: &Args) -> Result<()> {
     let start = Instant::now();
     let elsewhere = |error: Error| error.hint("run it in a folder you may write to");
-    let output = Output::create(Path::new(PICTURE), "png").map_err(elsewhere)?;
+    let output = Output::create(Path::new(args.scene.picture()), "png").map_err(elsewhere)?;
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
-    let source = source(&mut memory)?;
+    let source = source(args.scene, &mut memory)?;
     let building = BuildArgs { resolution: Some(demo::RESOLUTION), ..BuildArgs::default() };
     let built = pool.install(|| scene::build(&source, &building, &mut memory))?;
     memory.release(source.bytes);
     drop(source);
-    let picture = pool.install(|| picture::draw(&built.shown(), &view(), false, &memory))?;
+    let picture = pool.install(|| picture::draw(&built.shown(), &view(args.scene), Extras::default(), &memory))?;
     output.finish(|file| picture.write_png(file)).map_err(elsewhere)?;
 
     let Cost { parse, voxelize, reduce, materials } = built.cost;
@@ -94,7 +118,8 @@ pub fn run(args: &Args) -> Result<()> {
         },
         peak_rss_bytes: stats::peak_rss_bytes(),
         threads: pool.current_num_threads(),
-        picture: PICTURE,
+        rays: picture.rays,
+        picture: args.scene.picture(),
     };
     report::result(args.report.json, &report, &lines(&report))?;
     report::next("render your.obj -o your.png");
@@ -102,23 +127,34 @@ pub fn run(args: &Args) -> Result<()> {
 }
 
 /// The scene's mesh, as if it had been read; it is held.
-fn source(memory: &mut Memory) -> Result<Source> {
-    let (text, library) = (demo::obj(), demo::mtl());
+pub fn source(scene: DemoScene, memory: &mut Memory) -> Result<Source> {
+    let (text, library, library_name) = match scene {
+        DemoScene::Hall => (demo::obj(), demo::mtl(), demo::MTL_NAME),
+        DemoScene::Studio => (studio::obj(), studio::mtl(), studio::MTL_NAME),
+    };
     let text_bytes = (text.len() + library.len()) as u64;
     scene::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;
     let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
-        (name == demo::MTL_NAME).then(|| library.clone().into_bytes())
+        (name == library_name).then(|| library.clone().into_bytes())
     })?;
     memory.hold(source.bytes);
     Ok(source)
 }
 
 /// The view that suits the scene, as if it had been typed.
-pub fn view() -> PictureArgs {
-    let view = demo::view();
+pub fn view(scene: DemoScene) -> PictureArgs {
+    let (view, size): (DemoView, _) = match scene {
+        DemoScene::Hall => (demo::view(), [1280, 720]),
+        DemoScene::Studio => (studio::view(), [1120, 630]),
+    };
+    // What is mirrored shows each normal's error twice, and has edges of its own.
+    let (normals, supersample) = match scene {
+        DemoScene::Hall => (NormalsArg::default(), None),
+        DemoScene::Studio => (NormalsArg::Plane3, Some(SupersampleArg::Adaptive(2.0))),
+    };
     let light = |position, color| LightArg { kind: LightKind::Point(position), color, shadow: false };
     PictureArgs {
-        size: [1280, 720],
+        size,
         camera: CameraArgs {
             eye: Some(view.eye),
             target: Some(view.target),
@@ -127,14 +163,16 @@ pub fn view() -> PictureArgs {
         },
         lighting: LightingArgs {
             lights: view.lights.iter().map(|&(position, color)| light(position, color)).collect(),
+            shadows: view.shadows,
             ambient: Some(view.ambient),
             ..LightingArgs::default()
         },
-        normals: NormalsArg::default(),
+        normals,
         samples: None,
-        supersample: None,
+        supersample,
         arithmetic: ArithmeticArg::default(),
-        effects: Effects::ALL,
+        effects: None,
+        lift: None,
         lod: 0,
     }
 }
@@ -161,6 +199,7 @@ fn lines(report: &Report) -> Lines {
             ),
         )
         .row("memory", report::peak(report.peak_rss_bytes))
+        .row("rays", report.rays.text())
         .row("picture", report.picture);
     lines
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 use voxdag::Geometry;
+use voxdag::colors::Colors;
 use voxdag::dag::{BRICK_LEVEL, LevelStats};
 use voxdag::grid::UpAxis;
 use voxdag::material::MaterialId;
@@ -39,6 +40,8 @@ struct Report {
     /// As `--geometry` and `--materials` name them.
     geometry: &'static str,
     voxel_materials: &'static str,
+    /// How the colours of textures are kept, if there are any.
+    voxel_colors: Option<&'static str>,
     voxels: u64,
     nodes: u64,
     bricks: u64,
@@ -71,6 +74,8 @@ struct Level {
 struct BitsPerVoxel {
     /// Nodes and bricks.
     dag: f64,
+    /// The colours of textures.
+    colors: f64,
     /// The whole file.
     file: f64,
 }
@@ -79,6 +84,8 @@ struct BitsPerVoxel {
 struct Named {
     id: usize,
     name: String,
+    /// Whether its voxels have colours of their own.
+    textured: bool,
 }
 
 /// Runs the command.
@@ -87,7 +94,7 @@ pub fn run(args: &Args) -> Result<()> {
     let scene = scene::open(&args.scene, &words)?;
     let stats = scene::count(scene.geometry)?;
     let grid = scene.grid;
-    let bytes = Bytes::of(scene.geometry, &stats, scene.materials, 4 * words.len() as u64);
+    let bytes = Bytes::of(scene.geometry, &stats, scene.looks(), 4 * words.len() as u64);
     let per_voxel = |bytes: u64| 8.0 * bytes as f64 / stats.voxels.max(1) as f64;
     let levels = (BRICK_LEVEL..=scene.geometry.depth().max(BRICK_LEVEL)).rev().map(|level| {
         let LevelStats { unique, octree } = stats.levels[usize::from(level)];
@@ -105,14 +112,26 @@ pub fn run(args: &Args) -> Result<()> {
         },
         geometry: report::geometry_kind(scene.geometry),
         voxel_materials: report::materials_kind(scene.materials),
+        voxel_colors: scene.colors.map(|colored| match colored.colors() {
+            Colors::Blocks(_) => "blocks",
+            Colors::Raw(_) => "raw",
+        }),
         voxels: stats.voxels,
         nodes: stats.nodes(),
         bricks: stats.levels[usize::from(BRICK_LEVEL)].unique,
         levels: levels.collect(),
-        bits_per_voxel: BitsPerVoxel { dag: per_voxel(bytes.nodes + bytes.bricks), file: per_voxel(bytes.file) },
+        bits_per_voxel: BitsPerVoxel {
+            dag: per_voxel(bytes.nodes + bytes.bricks),
+            colors: per_voxel(bytes.colors),
+            file: per_voxel(bytes.file),
+        },
         bytes,
         materials: (0..scene.material_count())
-            .map(|id| Named { id, name: scene.name(id as MaterialId).to_string() })
+            .map(|id| Named {
+                id,
+                name: scene.name(id as MaterialId).to_string(),
+                textured: scene.material(id as MaterialId).textured,
+            })
             .collect(),
     };
     report::result(args.report.json, &report, &lines(&report))?;
@@ -133,6 +152,7 @@ fn lines(report: &Report) -> Lines {
         .row("up axis", report.up_axis)
         .row("geometry", report.geometry)
         .row("materials", report.voxel_materials)
+        .row("colors", report.voxel_colors.unwrap_or("none"))
         .row("voxels", grouped(report.voxels))
         .row("", "");
 
@@ -149,17 +169,23 @@ fn lines(report: &Report) -> Lines {
         lines.row(name, row.join("  "));
     }
 
-    let Bytes { nodes, bricks, materials, other, file } = report.bytes;
-    let parts = [("nodes", nodes), ("bricks", bricks), ("materials", materials), ("other", other), ("file", file)];
+    let Bytes { nodes, bricks, materials, colors, other, file } = report.bytes;
+    let mut parts = vec![("nodes", nodes), ("bricks", bricks), ("materials", materials)];
+    if report.voxel_colors.is_some() {
+        parts.push(("colors", colors));
+    }
+    parts.extend([("other", other), ("file", file)]);
     let width = grouped(file).len();
     lines.row("", "");
     for (part, bytes) in parts {
         lines.row(format!("{part} bytes"), format!("{:>width$}  {}", grouped(bytes), size(bytes)));
     }
-    let BitsPerVoxel { dag, file } = report.bits_per_voxel;
-    lines.row("bits per voxel", format!("{dag:.3} (nodes and bricks), {file:.3} (file)")).row("", "");
+    let BitsPerVoxel { dag, colors, file } = report.bits_per_voxel;
+    let colors = if report.voxel_colors.is_some() { format!("{colors:.3} (colors), ") } else { String::new() };
+    lines.row("bits per voxel", format!("{dag:.3} (nodes and bricks), {colors}{file:.3} (file)")).row("", "");
     for (i, material) in report.materials.iter().enumerate() {
-        lines.row(if i == 0 { "materials" } else { "" }, format!("{:>3}  {}", material.id, material.name));
+        let texture = if material.textured { "  (textured)" } else { "" };
+        lines.row(if i == 0 { "materials" } else { "" }, format!("{:>3}  {}{texture}", material.id, material.name));
     }
     lines
 }

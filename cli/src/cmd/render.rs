@@ -17,7 +17,7 @@ use crate::memory::Memory;
 use crate::options::{
     BuildArgs, MachineArgs, PictureArgs, ReportArgs, SupersampleArg, ViewArgs, duration, error, frames,
 };
-use crate::picture::{Picture, Prepared, Rays, Shown};
+use crate::picture::{CostMs, Extras, Picture, Prepared, Rays, Shown};
 use crate::progress::Progress;
 use crate::quality::Quality;
 use crate::report::{self, Lines, grouped, shell_word, time};
@@ -105,6 +105,8 @@ struct Report<'a> {
     ms: Ms,
     /// What the scene called for.
     effects: Vec<&'static str>,
+    /// What they took, of all threads.
+    cost_ms: CostMs,
     /// The numbers behind the colours of `--show depth`, `level` and `iterations`; of frames, each has its own.
     shown: Option<Spread>,
     /// With `--frames`.
@@ -162,6 +164,8 @@ struct Drawn {
     samples: u32,
     #[serde(skip)]
     effects: Effects,
+    #[serde(skip)]
+    cost: CostMs,
 }
 
 /// Runs the command.
@@ -185,7 +189,7 @@ pub fn run(args: &Args) -> Result<()> {
             (pool.install(|| draw(&Shown::of(&scene), args, &view, (&shots, first), &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
-            let source = scene::import_file(&args.input, text, &mut memory)?;
+            let source = scene::import_file(&args.input, text, args.build.reads_textures(), &mut memory)?;
             check_outputs(&shots, &source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);
@@ -218,6 +222,10 @@ pub fn run(args: &Args) -> Result<()> {
             total: ms(start.elapsed()),
         },
         effects: first.effects.names().collect(),
+        cost_ms: CostMs {
+            shadows: drawn.iter().map(|drawn| drawn.cost.shadows).sum(),
+            secondary: drawn.iter().map(|drawn| drawn.cost.secondary).sum(),
+        },
         shown: first.shown.filter(|_| args.frames.is_none()),
         frames: args.frames.is_some().then_some(&drawn),
         show: args.show,
@@ -262,7 +270,8 @@ fn draw(
     }
     check_cameras(shots, scene, view)?;
     let lighting = view.lighting(&args.picture.lighting);
-    let lit = PictureArgs { camera: shots[0].camera.clone(), lighting, ..args.picture.clone() };
+    let effects = args.picture.effects.or(view.effects);
+    let lit = PictureArgs { camera: shots[0].camera.clone(), lighting, effects, ..args.picture.clone() };
     let goal = match (args.budget, args.target_error) {
         (Some(budget), _) => Some(Goal::Seconds(budget.as_secs_f64())),
         (None, error) => error.map(Goal::Error),
@@ -275,6 +284,7 @@ fn draw(
     };
     let (seen, rest) = (prepared.parts(scene).0, memory.with(prepared.bytes()));
 
+    let extras = Extras { mark_supersampled: args.show == Show::Samples, timed: args.report.json };
     // The rows of a single picture show their own progress.
     let progress = (shots.len() > 1).then(|| Progress::stage("drawing", shots.len() as u64));
     let mut first = Some(first);
@@ -284,7 +294,7 @@ fn draw(
         }
         let lit = PictureArgs { camera: shot.camera.clone(), ..lit.clone() };
         let (picture, shown) = match is_shaded {
-            true => (prepared.draw(scene, &lit, args.show == Show::Samples, memory)?, None),
+            true => (prepared.draw(scene, &lit, extras, memory)?, None),
             false => show::draw(&seen, &lit, args.show, &rest)?,
         };
         let depths = shot.depths.as_ref().map(|_| show::depths(&seen, &lit, &rest)).transpose()?;
@@ -294,9 +304,9 @@ fn draw(
             output.finish(|file| formats::pfm(picture.width, picture.height, &depths, file))?;
         }
         progress.iter().for_each(Progress::step);
-        let Picture { samples, rays, hits, supersampled, effects, trace, .. } = picture;
+        let Picture { samples, rays, hits, supersampled, effects, cost, trace, .. } = picture;
         let (frame, file, trace_ms) = (shot.frame, shot.picture.clone(), ms(trace));
-        Ok(Drawn { frame, file, rays, hits, supersampled, trace_ms, shown, samples, effects })
+        Ok(Drawn { frame, file, rays, hits, supersampled, trace_ms, shown, samples, effects, cost })
     });
     let drawn = drawn.collect::<Result<Vec<_>>>()?;
     if let Some(chosen) = &mut chosen {

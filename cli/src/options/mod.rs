@@ -10,6 +10,7 @@ pub use values::{duration, error, frames, picture_size, resolution, supersample}
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use voxdag::colors::ColorMode;
 
 use crate::error::{Error, Kind};
 use crate::memory::Memory;
@@ -43,6 +44,10 @@ pub struct BuildArgs {
     /// What is kept of the surfaces [default: tree]
     #[arg(long, value_name = "KIND", value_enum)]
     pub materials: Option<MaterialsArg>,
+
+    /// How the colours of textures (map_Kd) are kept, one a voxel [default: blocks]
+    #[arg(long, value_name = "KIND", value_enum)]
+    pub textures: Option<TexturesArg>,
 
     /// The axis that points up; kept in the file for `render` [default: y]
     #[arg(long, value_name = "AXIS", value_enum)]
@@ -83,6 +88,11 @@ impl BuildArgs {
         }
     }
 
+    /// Whether the pictures that materials name are read.
+    pub fn reads_textures(&self) -> bool {
+        self.textures.unwrap_or_default() != TexturesArg::None && self.materials != Some(MaterialsArg::None)
+    }
+
     /// The first of these flags that was given, as it is typed.
     fn given(&self) -> Option<&'static str> {
         let flags = [
@@ -92,6 +102,7 @@ impl BuildArgs {
             (self.cover.is_some(), "--cover"),
             (self.geometry.is_some(), "--geometry"),
             (self.materials.is_some(), "--materials"),
+            (self.textures.is_some(), "--textures"),
             (self.up_axis.is_some(), "--up-axis"),
         ];
         flags.into_iter().find_map(|(given, flag)| given.then_some(flag))
@@ -108,6 +119,7 @@ impl BuildArgs {
             self.materials
                 .filter(|materials| materials.is_for_files())
                 .map(|materials| format!(" --materials {}", name_of(materials))),
+            self.textures.map(|textures| format!(" --textures {}", name_of(textures))),
             self.up_axis.map(|axis| format!(" --up-axis {}", name_of(axis))),
         ];
         flags.into_iter().flatten().collect()
@@ -164,6 +176,29 @@ impl GeometryArg {
     /// Whether a file can hold it.
     fn is_for_files(self) -> bool {
         matches!(self, GeometryArg::Dag | GeometryArg::Ssvdag)
+    }
+}
+
+/// How the colours of textures are kept.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum TexturesArg {
+    /// Blocks of 64 voxels between two colours each: 5 bits a voxel at most where they fit, 39 dB or better
+    #[default]
+    Blocks,
+    /// 24 bits a voxel: the very same colours
+    Raw,
+    /// Not at all: surfaces have their Kd
+    None,
+}
+
+impl TexturesArg {
+    /// In the core's words; `None` if not at all.
+    pub fn mode(self) -> Option<ColorMode> {
+        match self {
+            TexturesArg::Blocks => Some(ColorMode::Blocks),
+            TexturesArg::Raw => Some(ColorMode::Raw),
+            TexturesArg::None => None,
+        }
     }
 }
 

@@ -12,7 +12,7 @@ use voxdag::shade::LightKind;
 use voxdag::trace::Arithmetic;
 
 use super::values::{
-    colour, direction, effects, field_of_view, light, picture_size, samples, sun, supersample, triple,
+    colour, direction, effects, field_of_view, lift, light, picture_size, samples, sun, supersample, triple,
 };
 use crate::error::Error;
 use crate::report::number;
@@ -139,9 +139,14 @@ pub struct PictureArgs {
     /// phong:     highlights alone, as in Pineda's thesis
     /// -NAME and +NAME, by commas, take from auto, or after `phong,` add to it:
     /// specular, shadows, mirror, transparency, refraction, emission
-    #[arg(long, value_name = "SET", default_value = "auto", hide_default_value = true, value_parser = effects)]
-    #[arg(verbatim_doc_comment, allow_hyphen_values = true)]
-    pub effects: Effects,
+    #[arg(long, value_name = "SET", value_parser = effects, verbatim_doc_comment, allow_hyphen_values = true)]
+    pub effects: Option<Effects>,
+
+    /// How high above a surface rays to lights and mirrored ones start, in heights of its steps, if the way is free [default: 1]
+    ///
+    /// 0 is on the surface, exact by voxel: thin shadows begin at once, and steps shade each other.
+    #[arg(long, value_name = "H", value_parser = lift, allow_hyphen_values = true)]
+    pub lift: Option<f32>,
 
     /// Level of detail: voxels 2^L times as large, of which one is filled if anything in it is
     #[arg(long, value_name = "L", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=20))]
@@ -187,6 +192,11 @@ impl LightingArgs {
 }
 
 impl PictureArgs {
+    /// The effects that may be drawn.
+    pub fn effects(&self) -> Effects {
+        self.effects.unwrap_or(Effects::ALL)
+    }
+
     /// The samples per pixel that the flags ask for, if they do not contradict each other.
     pub fn samples(&self) -> Result<Samples, Error> {
         let Some(which) = self.supersample else { return Ok(self.samples.unwrap_or(Samples::Four)) };

@@ -192,6 +192,15 @@ pub fn effects(text: &str) -> Result<Effects, String> {
     })
 }
 
+/// Reads a height in steps.
+pub fn lift(text: &str) -> Result<f32, String> {
+    let found = text.parse().ok().filter(|x| (0.0..=LARGEST_LIFT).contains(x));
+    found.ok_or_else(|| format!("expected a number from 0 to {LARGEST_LIFT}"))
+}
+
+/// Beyond it things do not touch their shadows.
+const LARGEST_LIFT: f32 = 16.0;
+
 /// Largest side of a picture: PNG readers and graphics cards stop there.
 const MAX_SIDE: u32 = 32768;
 

@@ -232,7 +232,7 @@ mod tests {
         let built =
             scene::build(&source, &BuildArgs { resolution: Some(512), ..BuildArgs::default() }, &mut memory).unwrap();
         let (shown, args) = (built.shown(), Flags::parse_from(["", "--size", "96x54", "--samples", "16"]).picture);
-        let drawn = crate::picture::draw(&shown, &args, false, &memory).unwrap().pixels;
+        let drawn = crate::picture::draw(&shown, &args, crate::picture::Extras::default(), &memory).unwrap().pixels;
 
         let camera = crate::picture::camera(&shown, &args.camera).unwrap();
         let lights = [camera.headlight(shown.bounds.radius())];

@@ -1,4 +1,4 @@
-//! View files: camera, lights, background and a camera path in TOML (`--view`; docs/view.md has the format).
+//! View files: camera, lights, background, effects and a camera path in TOML (`--view`; docs/view.md has the format).
 //!
 //! In: a file. Out: what flags would have given, and the path. Values are checked as those of flags are, and a key that
 //! is not known is refused; an error names file and line. An area light becomes point lights on a grid of it.
@@ -11,15 +11,16 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
 use toml::de::DeValue;
+use voxdag::effects::Effects;
 use voxdag::math;
 use voxdag::shade::LightKind;
 
 use crate::error::{Error, Result};
 use crate::input;
-use crate::options::values::{LAST_FRAME, colour_of, direction_of, field_of_view_of, triple_of};
+use crate::options::values::{LAST_FRAME, colour_of, direction_of, effects, field_of_view_of, triple_of};
 use crate::options::{CameraArgs, LightArg, LightingArgs, ViewArgs};
 use path::{CameraPath, Key};
-use table::{Problem, Table, number, numbers, switch, whole};
+use table::{Problem, Table, number, numbers, switch, text_of, whole};
 
 /// Most bytes of a view file: far more than a path of a key per frame takes.
 const MOST_BYTES: u64 = 1 << 22;
@@ -31,6 +32,8 @@ const MOST_LIGHTS: usize = 1024;
 pub struct View {
     /// The file.
     pub file: Option<PathBuf>,
+    /// Those that may be drawn, where flags do not say.
+    pub effects: Option<Effects>,
     camera: CameraArgs,
     lighting: LightingArgs,
     path: CameraPath,
@@ -76,6 +79,7 @@ impl View {
         let mut view = View::default();
         view.lighting.ambient = file.take("ambient", colour)?;
         view.lighting.background = file.take("background", colour)?;
+        view.effects = file.take("effects", |value| effects(&text_of(value)?))?;
         if let Some(mut table) = file.table("camera")? {
             view.camera = camera(&mut table)?;
             table.finish()?;
@@ -184,7 +188,7 @@ mod tests {
     #[test]
     fn a_file_is_what_flags_give() {
         let view = parse(
-            "background = 0.5\nambient = [0, 0.1, 1e0]\n\
+            "background = 0.5\nambient = [0, 0.1, 1e0]\neffects = \"phong,+mirror\"\n\
              [camera]\neye = [1, -2.5, 0x10]\nup = [0, 0, 1]\nfov = 60\n\
              [[light]]\npoint = [1, 2, 3]\nshadow = true\n\
              [[light]]\ndirection = [0, 1, 0]\ncolor = [1, 2, 3]\n",
@@ -196,6 +200,7 @@ mod tests {
             ..CameraArgs::default()
         };
         assert_eq!((&view.camera, view.frames()), (&camera, None));
+        assert_eq!((view.effects, parse("").effects), (Some(Effects::PHONG.union(Effects::MIRROR)), None));
         let lighting = &view.lighting;
         assert_eq!((lighting.background(), lighting.ambient()), ([0.5; 3], [0.0, 0.1, 1.0]));
         let lights = [
@@ -248,7 +253,7 @@ mod tests {
             (
                 "\n\nlights = 1\n".to_owned(),
                 3,
-                "unknown key `lights`: expected ambient, background, camera, light, path",
+                "unknown key `lights`: expected ambient, background, effects, camera, light, path",
             ),
             ("[camera]\nfov = 9\nview_up = 1\n".to_owned(), 3, "camera: unknown key `view_up`: expected eye, target"),
             ("[[light]]\npoint = [1, 2, 3]\ncolour = 1\n".to_owned(), 3, "light 1: unknown key `colour`"),
@@ -264,7 +269,10 @@ mod tests {
             ("[camera]\neye = [1, true, 2]".to_owned(), 2, "camera: eye: expected a number, found true or false"),
             ("[[light]]\npoint = [1, 2, 3]\nshadow = 1".to_owned(), 3, "light 1: shadow: expected true or false"),
             (area("edges = [[1, 0, 0]]\nsamples = 4\n"), 5, "light 1: area: edges: expected two edges"),
+            ("\neffects = true".to_owned(), 2, "effects: expected a string, found true or false"),
+            ("effects = [\"phong\"]".to_owned(), 1, "effects: expected a string, found an array"),
             // Out of range.
+            ("ambient = 1\neffects = \"phong,mirror\"".to_owned(), 2, "effects: expected auto, phong or all, or +NAME"),
             ("background = [0, -1, 0]".to_owned(), 1, "background: a colour of -1"),
             ("ambient = nan".to_owned(), 1, "ambient: expected a finite number"),
             ("ambient = 1e999".to_owned(), 1, "ambient: expected a finite number"),

@@ -151,6 +151,12 @@ pub fn whole(value: &DeValue<'_>, largest: u32) -> Result<u32, String> {
     found.ok_or_else(|| format!("expected a whole number from 1 to {largest}"))
 }
 
+/// Reads words in quotes.
+pub fn text_of(value: &DeValue<'_>) -> Result<String, String> {
+    let found = value.as_str().ok_or_else(|| format!("expected a string, found {}", kind(value)))?;
+    Ok(found.to_owned())
+}
+
 /// Reads yes or no.
 pub fn switch(value: &DeValue<'_>) -> Result<bool, String> {
     value.as_bool().ok_or_else(|| format!("expected true or false, found {}", kind(value)))

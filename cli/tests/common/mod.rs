@@ -94,6 +94,7 @@ impl Sandbox {
             metres_per_unit: 0.0,
             geometry: dag.dag().into(),
             voxel_materials: AnyMaterials::Table(table.as_table()),
+            colors: None,
             materials: &[voxdag::Material::GREY; 3],
             names: &["grey", "red, dark", "blue"],
         };

@@ -1,4 +1,5 @@
-//! The demo's scene: a columned hall with groin vaults, an apse and a bronze knot, as the text of an OBJ and its MTL.
+//! The demo's scenes. Here: a columned hall with groin vaults, an apse and a bronze knot, as the text of an OBJ and its MTL; the
+//! other is the [`studio`].
 //!
 //! In: nothing. Out: two texts, read by the same importer as a user's files, and a view that suits the picture. Every
 //! number is printed from an integer and every curve comes from `libm`, so the texts are the same on every target.
@@ -6,6 +7,7 @@
 
 mod hall;
 mod shape;
+pub mod studio;
 
 use alloc::string::String;
 use core::fmt::Write as _;
@@ -13,7 +15,7 @@ use core::fmt::Write as _;
 /// The name under which [`obj`] asks for [`mtl`].
 pub const MTL_NAME: &str = "voxdag-demo.mtl";
 
-/// Voxels along the longest axis for the demo's picture: 1.8 cm each.
+/// Voxels along the longest axis for the demo's pictures: of the hall 1.8 cm each, of the studio 0.8 cm.
 pub const RESOLUTION: u32 = 1024;
 
 /// From where, and in which light, the demo's picture is drawn. World units, colours in linear light.
@@ -29,6 +31,8 @@ pub struct DemoView {
     pub fov_y: f64,
     /// Point lights: position, and colour times strength.
     pub lights: &'static [([f64; 3], [f32; 3])],
+    /// Whether they cast shadows.
+    pub shadows: bool,
     /// Ambient light.
     pub ambient: [f32; 3],
 }
@@ -53,6 +57,7 @@ pub const fn view() -> DemoView {
             // Late sun in the left aisle.
             ([-5.8, 2.0, -3.0], [0.26, 0.14, 0.05]),
         ],
+        shadows: false,
         ambient: [0.033, 0.034, 0.042],
     }
 }
@@ -104,41 +109,50 @@ mod tests {
     use super::*;
     use alloc::collections::BTreeSet;
 
+    /// OBJ, MTL, its name, and about how many triangles there are.
+    fn scenes() -> [(String, String, &'static str, core::ops::Range<usize>); 2] {
+        [(obj(), mtl(), MTL_NAME, 20_000..60_000), (studio::obj(), studio::mtl(), studio::MTL_NAME, 40_000..100_000)]
+    }
+
     #[test]
     #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn every_material_is_defined_once_and_used() {
-        let (obj, mtl) = (obj(), mtl());
-        let named = |text: &str, key: &str| -> alloc::vec::Vec<String> {
-            text.lines().filter_map(|l| l.strip_prefix(key)).map(String::from).collect()
-        };
-        let defined = named(&mtl, "newmtl ");
-        let unique: BTreeSet<_> = defined.iter().cloned().collect();
-        assert_eq!(unique.len(), defined.len());
-        assert_eq!(unique, named(&obj, "usemtl ").into_iter().collect());
-        assert_eq!(named(&obj, "mtllib "), [MTL_NAME]);
+        for (obj, mtl, name, _) in scenes() {
+            let named = |text: &str, key: &str| -> alloc::vec::Vec<String> {
+                text.lines().filter_map(|l| l.strip_prefix(key)).map(String::from).collect()
+            };
+            let defined = named(&mtl, "newmtl ");
+            let unique: BTreeSet<_> = defined.iter().cloned().collect();
+            assert_eq!(unique.len(), defined.len());
+            assert_eq!(unique, named(&obj, "usemtl ").into_iter().collect());
+            assert_eq!(named(&obj, "mtllib "), [name]);
+        }
     }
 
     #[test]
     #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn faces_name_vertices_that_exist() {
-        let (mut vertices, mut triangles) = (0, 0);
-        for line in obj().lines() {
-            if line.starts_with("v ") {
-                vertices += 1;
-            } else if let Some(face) = line.strip_prefix("f ") {
-                let corners: BTreeSet<usize> = face.split(' ').map(|i| i.parse().unwrap()).collect();
-                assert!(corners.len() >= 3 && corners.len() == face.split(' ').count(), "{line}");
-                assert!(*corners.first().unwrap() >= 1 && *corners.last().unwrap() <= vertices, "{line}");
-                triangles += corners.len() - 2;
+        for (obj, _, _, expected) in scenes() {
+            let (mut vertices, mut triangles) = (0, 0);
+            for line in obj.lines() {
+                if line.starts_with("v ") {
+                    vertices += 1;
+                } else if let Some(face) = line.strip_prefix("f ") {
+                    let corners: BTreeSet<usize> = face.split(' ').map(|i| i.parse().unwrap()).collect();
+                    assert!(corners.len() >= 3 && corners.len() == face.split(' ').count(), "{line}");
+                    assert!(*corners.first().unwrap() >= 1 && *corners.last().unwrap() <= vertices, "{line}");
+                    triangles += corners.len() - 2;
+                }
             }
+            assert!(expected.contains(&triangles), "{triangles} triangles");
         }
-        assert!((20_000..60_000).contains(&triangles), "{triangles} triangles");
     }
 
     /// Checksums taken on x86-64; a target whose `libm` or number printing differs changes them.
     #[test]
     #[cfg_attr(miri, ignore = "too long for an interpreter")]
     fn the_text_is_the_same_on_every_target() {
-        assert_eq!((crc32fast::hash(obj().as_bytes()), crc32fast::hash(mtl().as_bytes())), (2895281419, 2589448281));
+        let found = scenes().map(|(obj, mtl, ..)| [obj, mtl].map(|text| crc32fast::hash(text.as_bytes())));
+        assert_eq!(found, [[2895281419, 2589448281], [1732460935, 4098836146]]);
     }
 }

@@ -28,10 +28,12 @@ pub enum Section {
     Ranks,
     /// Material ids in the order of the voxels; from version 3.
     Ids,
+    /// Colours of textures in the order of the voxels; from version 4.
+    Colors,
 }
 
 impl Section {
-    pub(super) const COUNT: usize = 8;
+    pub(super) const COUNT: usize = 9;
 
     /// The section of a kind, as a file of a version counts them.
     pub(super) fn of(kind: u32, version: u32) -> Option<Section> {
@@ -44,6 +46,7 @@ impl Section {
             Section::Ssvdag,
             Section::Ranks,
             Section::Ids,
+            Section::Colors,
         ];
         all.into_iter().find(|section| section.kind() == kind && version >= section.version())
     }
@@ -54,6 +57,7 @@ impl Section {
             Section::Dag | Section::Table | Section::Materials | Section::Names => 1,
             Section::Tree => 2,
             Section::Ssvdag | Section::Ranks | Section::Ids => 3,
+            Section::Colors => 4,
         }
     }
 
@@ -74,6 +78,7 @@ impl core::fmt::Display for Section {
             Section::Ssvdag => "SSVDAG",
             Section::Ranks => "rank counts",
             Section::Ids => "ranked materials",
+            Section::Colors => "colours",
         })
     }
 }
@@ -209,6 +214,8 @@ pub enum LoadError {
     Ranks(RankError),
     /// The ids by rank.
     Ids(RankedError),
+    /// The colours by rank.
+    Colors(RankedError),
     /// The geometry's depth is not the grid's.
     Depth {
         /// Depth for the grid's resolution.
@@ -300,7 +307,7 @@ impl core::fmt::Display for LoadError {
             Conflict { first, second } => write!(f, "the file has both {first} and {second}: expected one of them"),
             Ssvdag(error) => error.fmt(f),
             Ranks(error) => error.fmt(f),
-            Ids(error) => error.fmt(f),
+            Ids(error) | Colors(error) => error.fmt(f),
             Depth { expected, found } => {
                 write!(f, "the geometry has depth {found}: expected {expected} for the grid's resolution")
             }
@@ -324,7 +331,7 @@ impl core::error::Error for LoadError {
             LoadError::Tree(error) => Some(error),
             LoadError::Ssvdag(error) => Some(error),
             LoadError::Ranks(error) => Some(error),
-            LoadError::Ids(error) => Some(error),
+            LoadError::Ids(error) | LoadError::Colors(error) => Some(error),
             _ => None,
         }
     }

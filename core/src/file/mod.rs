@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! word  0      magic: the bytes "VXD", 0x1a            28, 29  metres per world unit, 0 if unknown
-//!       1      version: 1, 2 from kind 5, 3 from 6       30, 31  0
+//!       1      version: 1, 2 from kind 5, 3 from 6,      30, 31  0
 //!       2, 3   words in the file (low, high)           32..    one row of 6 words per section, in file order:
 //!       4      resolution                                      [ kind ][ CRC-32 ][ offset ][ - ][ length ][ - ]
 //!       5      up axis: 1 is y, 2 is z                 then    CRC-32 of all words before it
@@ -15,6 +15,7 @@
 //!                                                              6 SSVDAG      words of `ssvdag`, instead of a DAG
 //!                                                              7 ranks       words of `rank`: prefix counts or totals
 //!                                                              8 ids         words of `ranked`, instead of a table
+//!                                                              9 colours     words of `colors`, beside ranks
 //! ```
 //!
 //! f64, offsets and lengths are two words, low first. Sections of unknown kind are skipped once their CRC is right, so
@@ -29,6 +30,7 @@ pub use error::{LoadError, Section};
 pub use names::Name;
 pub use write::{Parts, WriteError};
 
+use crate::colors::{Colored, Colors, Painted};
 use crate::dag::Dag;
 use crate::geometry::Geometry;
 use crate::grid::{Bounds, Grid, UpAxis};
@@ -45,13 +47,15 @@ use names::Names;
 /// The first word: the bytes `V`, `X`, `D` and 0x1a, which ends a text file, so that no text starts like this.
 pub const MAGIC: u32 = u32::from_le_bytes(*b"VXD\x1a");
 /// The newest version. A scene is written as the oldest version that knows all its sections.
-pub const VERSION: u32 = 3;
+pub const VERSION: u32 = 4;
 /// Words before the section table.
 pub const HEADER: usize = 32;
 /// Words per row of the section table.
 const ROW: usize = 6;
 /// Words per material.
 const RECORD: usize = 20;
+/// Beside illum: the material has a texture.
+const TEXTURED: u32 = 1 << 8;
 
 /// A scene in a file's words; nothing in it can panic.
 #[derive(Clone, Copy, Debug)]
@@ -70,11 +74,18 @@ pub struct Scene<'a> {
     /// Which material a voxel has. That a table's entries are the voxels is not checked: missing ones
     /// have material 0.
     pub materials: AnyMaterials<'a>,
+    /// The colours of textures, where there are any.
+    pub colors: Option<Colored<'a>>,
     records: &'a [[u32; RECORD]],
     names: Names<'a>,
 }
 
 impl<'a> Scene<'a> {
+    /// Materials and colours together, as a renderer asks for them.
+    pub fn looks(&self) -> Painted<'a, AnyMaterials<'a>> {
+        Painted { materials: self.materials, colors: self.colors }
+    }
+
     /// The parameters of a material; [`Material::GREY`] beyond the last.
     pub fn material(&self, id: MaterialId) -> Material {
         self.records.get(usize::from(id)).map_or(Material::GREY, decode_material)
@@ -130,24 +141,36 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
         Some((Section::Ssvdag, words)) => AnyGeometry::Ssvdag(Ssvdag::new(words).map_err(LoadError::Ssvdag)?),
         _ => AnyGeometry::Dag(Dag::new(required(Section::Dag)?).map_err(LoadError::Dag)?),
     };
+    let ranks = || {
+        let counts = required(Section::Ranks)?;
+        let rank = match geometry {
+            AnyGeometry::Dag(dag) => Prefix::new(dag, counts).map(AnyRank::Prefix),
+            AnyGeometry::Ssvdag(ssvdag) => Totals::new(ssvdag, counts).map(AnyRank::Totals),
+            _ => return Err(LoadError::Missing { section: Section::Dag }),
+        };
+        rank.map_err(LoadError::Ranks)
+    };
     let materials = match one_of([found(Section::Table), found(Section::Tree), found(Section::Ids)])? {
         Some(_) if header[6] != 0 => return Err(LoadError::Reserved { word: 6 }),
         Some((Section::Table, words)) => AnyMaterials::Table(Table::new(words).map_err(LoadError::Table)?),
         Some((Section::Tree, words)) => AnyMaterials::Tree(Tree::new(words).map_err(LoadError::Tree)?),
         Some((_, words)) => {
-            let counts = required(Section::Ranks)?;
-            let rank = match geometry {
-                AnyGeometry::Dag(dag) => Prefix::new(dag, counts).map(AnyRank::Prefix),
-                AnyGeometry::Ssvdag(ssvdag) => Totals::new(ssvdag, counts).map(AnyRank::Totals),
-                _ => return Err(LoadError::Missing { section: Section::Dag }),
-            };
             let ids = Packed::new(words).map_err(LoadError::Ids)?;
-            AnyMaterials::Ranked(Ranked::new(rank.map_err(LoadError::Ranks)?, ids).map_err(LoadError::Ids)?)
+            AnyMaterials::Ranked(Ranked::new(ranks()?, ids).map_err(LoadError::Ids)?)
         }
         None => match MaterialId::try_from(header[6]) {
             Ok(id) => AnyMaterials::Single(Single(id)),
             Err(_) => return Err(LoadError::MaterialId { count: 1 << 16, found: header[6] }),
         },
+    };
+    let colors = match sections[Section::Colors as usize] {
+        Some(words) => {
+            let colors = Colors::new(words).map_err(LoadError::Colors)?;
+            // Counted for the materials already, if they go by ranks.
+            let rank = materials.rank().map_or_else(ranks, Ok)?;
+            Some(Colored::new(rank, colors).map_err(LoadError::Colors)?)
+        }
+        None => None,
     };
     let (records, rest) = required(Section::Materials)?.as_chunks::<RECORD>();
     if !rest.is_empty() {
@@ -156,9 +179,9 @@ pub fn read(words: &[u32]) -> Result<Scene<'_>, LoadError> {
     let names = Names::new(required(Section::Names)?, records.len())?;
     check(&grid, &bounds, metres_per_unit, geometry, materials, records.len())?;
     for (index, record) in records.iter().enumerate() {
-        check_record(index as u32, record)?;
+        check_record(index as u32, record, colors.is_some())?;
     }
-    Ok(Scene { grid, bounds, up, metres_per_unit, geometry, materials, records, names })
+    Ok(Scene { grid, bounds, up, metres_per_unit, geometry, materials, colors, records, names })
 }
 
 /// The one section that is there, if there is one.
@@ -266,22 +289,26 @@ fn check(
 }
 
 /// A record must be what the writer makes of a material that passes.
-fn check_record(index: u32, record: &[u32; RECORD]) -> Result<(), LoadError> {
+fn check_record(index: u32, record: &[u32; RECORD], has_colors: bool) -> Result<(), LoadError> {
     let material = decode_material(record);
-    check_material(index, &material)?;
+    check_material(index, &material, has_colors)?;
     if encode_material(&material) != *record {
         return Err(LoadError::Material { index, field: "illum" });
     }
     Ok(())
 }
 
-fn check_material(index: u32, material: &Material) -> Result<(), LoadError> {
+/// What is textured needs colours.
+fn check_material(index: u32, material: &Material, has_colors: bool) -> Result<(), LoadError> {
     let checked = material.checked().map_err(|e| LoadError::Material { index, field: e.field })?;
     if checked.shininess != material.shininess {
         return Err(LoadError::Material { index, field: "shininess" });
     }
     if material.illum > 10 {
         return Err(LoadError::Material { index, field: "illum" });
+    }
+    if material.textured && !has_colors {
+        return Err(LoadError::Material { index, field: "textured" });
     }
     Ok(())
 }
@@ -298,17 +325,29 @@ fn decode_material(record: &[u32; RECORD]) -> Material {
         refraction: f32::from_bits(record[16]),
         shininess: record[17],
         illum: record[18] as u8,
+        textured: record[18] & TEXTURED != 0,
     }
 }
 
 fn encode_material(material: &Material) -> [u32; RECORD] {
-    let Material { ambient, diffuse, specular, emission, transmission, shininess, opacity, refraction, illum } =
-        *material;
+    let Material {
+        ambient,
+        diffuse,
+        specular,
+        emission,
+        transmission,
+        shininess,
+        opacity,
+        refraction,
+        illum,
+        textured,
+    } = *material;
     let mut record = [0; RECORD];
     for (words, rgb) in record.chunks_exact_mut(3).zip([ambient, diffuse, specular, emission, transmission]) {
         words.copy_from_slice(&rgb.map(f32::to_bits));
     }
     record[15..19].copy_from_slice(&[opacity.to_bits(), refraction.to_bits(), shininess, u32::from(illum)]);
+    record[18] |= if textured { TEXTURED } else { 0 };
     record
 }
 

@@ -3,6 +3,7 @@
 
 use super::error::{LoadError, Section};
 use super::{HEADER, MAGIC, RECORD, ROW, check, check_material, crc, encode_material};
+use crate::colors::Colored;
 use crate::grid::UpAxis;
 use crate::grid::{Bounds, Grid};
 use crate::layout::AnyGeometry;
@@ -25,6 +26,8 @@ pub struct Parts<'a> {
     pub geometry: AnyGeometry<'a>,
     /// Which material a voxel has.
     pub voxel_materials: AnyMaterials<'a>,
+    /// The colours of textures, if a material has one.
+    pub colors: Option<Colored<'a>>,
     /// The materials, 1 to 65,536.
     pub materials: &'a [Material],
     /// Their names.
@@ -87,10 +90,17 @@ impl<'a> Parts<'a> {
         (HEADER + rows + 1) as u64 + self.materials_len() + self.names_len()
     }
 
-    /// The words that follow the head, as they are: those of the geometry, of the counts of ranks, and of the table, the
-    /// tree or the ids. Of what the file does not hold there are none.
-    pub fn body(&self) -> [&'a [u32]; 3] {
-        [self.geometry.words(), self.voxel_materials.count_words(), self.voxel_materials.words()]
+    /// The words that follow the head, as they are: those of the geometry, of the counts of ranks, of the table, the tree
+    /// or the ids, and of the colours. Of what the file does not hold there are none.
+    pub fn body(&self) -> [&'a [u32]; 4] {
+        let counts = self.ranks().and_then(|rank| rank.words()).unwrap_or(&[]);
+        let colors = self.colors.map_or(&[][..], |colored| colored.colors().words());
+        [self.geometry.words(), counts, self.voxel_materials.words(), colors]
+    }
+
+    /// What values by rank go by.
+    fn ranks(&self) -> Option<AnyRank<'a>> {
+        self.voxel_materials.rank().or(self.colors.map(|colored| colored.rank()))
     }
 
     /// Words of the whole file: head and body.
@@ -136,7 +146,7 @@ impl<'a> Parts<'a> {
         self.write_names(names);
 
         // The section table, now that all words can be summed up.
-        let [geometry, counts, voxel_materials] = self.body();
+        let [geometry, counts, voxel_materials, colors] = self.body();
         let mut offset = front as u64 + 1;
         for (i, section) in self.sections().enumerate() {
             let words = match section {
@@ -145,6 +155,7 @@ impl<'a> Parts<'a> {
                 Section::Dag | Section::Ssvdag => geometry,
                 Section::Ranks => counts,
                 Section::Table | Section::Tree | Section::Ids => voxel_materials,
+                Section::Colors => colors,
             };
             let row = HEADER + ROW * i;
             (rows[row], rows[row + 1]) = (section.kind(), crc::of(words));
@@ -186,25 +197,22 @@ impl<'a> Parts<'a> {
             return Err(WriteError::Names { found: self.names.len() as u64 });
         }
         // Some representations are made in memory only, and ranks belong to the geometry that they were counted in.
-        let known = match (self.geometry, self.voxel_materials) {
-            (AnyGeometry::Dag(dag), AnyMaterials::Ranked(ids)) => {
-                matches!(ids.rank(), AnyRank::Prefix(prefix) if prefix.dag().words() == dag.words())
-            }
-            (AnyGeometry::Ssvdag(ssvdag), AnyMaterials::Ranked(ids)) => {
-                matches!(ids.rank(), AnyRank::Totals(totals) if totals.ssvdag().words() == ssvdag.words())
-            }
-            (_, AnyMaterials::Palettes(_) | AnyMaterials::Moxels(_)) => false,
-            (AnyGeometry::Dag(_) | AnyGeometry::Ssvdag(_), _) => true,
+        let fits = |rank| match (self.geometry, rank) {
+            (AnyGeometry::Dag(dag), AnyRank::Prefix(prefix)) => prefix.dag().words() == dag.words(),
+            (AnyGeometry::Ssvdag(ssvdag), AnyRank::Totals(totals)) => totals.ssvdag().words() == ssvdag.words(),
             _ => false,
         };
-        if !known {
+        let known = matches!(self.geometry, AnyGeometry::Dag(_) | AnyGeometry::Ssvdag(_))
+            && !matches!(self.voxel_materials, AnyMaterials::Palettes(_) | AnyMaterials::Moxels(_));
+        let ranks = [self.voxel_materials.rank(), self.colors.map(|colored| colored.rank())];
+        if !known || !ranks.into_iter().flatten().all(fits) {
             return Err(WriteError::Representation);
         }
         let count = self.materials.len();
         check(&self.grid, &self.bounds, self.metres_per_unit, self.geometry, self.voxel_materials, count)
             .map_err(WriteError::Invalid)?;
         for (index, material) in self.materials.iter().enumerate() {
-            check_material(index as u32, material).map_err(WriteError::Invalid)?;
+            check_material(index as u32, material, self.colors.is_some()).map_err(WriteError::Invalid)?;
         }
         Ok(())
     }
@@ -215,13 +223,16 @@ impl<'a> Parts<'a> {
             AnyGeometry::Ssvdag(_) => Section::Ssvdag,
             _ => Section::Dag,
         };
-        let (counts, voxel_materials) = match self.voxel_materials {
-            AnyMaterials::Single(_) => (None, None),
-            AnyMaterials::Table(_) => (None, Some(Section::Table)),
-            AnyMaterials::Tree(_) => (None, Some(Section::Tree)),
-            _ => (Some(Section::Ranks), Some(Section::Ids)),
+        let voxel_materials = match self.voxel_materials {
+            AnyMaterials::Single(_) => None,
+            AnyMaterials::Table(_) => Some(Section::Table),
+            AnyMaterials::Tree(_) => Some(Section::Tree),
+            _ => Some(Section::Ids),
         };
-        [Section::Materials, Section::Names, geometry].into_iter().chain(counts).chain(voxel_materials)
+        let counts = self.ranks().map(|_| Section::Ranks);
+        let colors = self.colors.map(|_| Section::Colors);
+        let beside = [counts, voxel_materials, colors].into_iter().flatten();
+        [Section::Materials, Section::Names, geometry].into_iter().chain(beside)
     }
 
     fn materials_len(&self) -> u64 {

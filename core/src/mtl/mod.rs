@@ -31,6 +31,8 @@ pub struct NamedMaterial {
     pub material: Material,
     /// The texture of its diffuse colour.
     pub map_kd: Option<TextureMap>,
+    /// The texture that says where there is any of it.
+    pub map_d: Option<TextureMap>,
 }
 
 /// Materials a scene can have.
@@ -63,7 +65,7 @@ impl Materials {
 
     /// The grey stand-in for a name without a definition; `None` if there are too many materials already.
     pub(crate) fn push_grey(&mut self, name: &str) -> Option<u16> {
-        self.push(NamedMaterial { name: name.into(), material: Material::GREY, map_kd: None })
+        self.push(NamedMaterial { name: name.into(), material: Material::GREY, map_kd: None, map_d: None })
     }
 
     /// Reads a library. Of several definitions of a name the first counts, as in the search order of `mtllib`.
@@ -95,7 +97,9 @@ impl Materials {
             let mut note = |message: String| notes.push(file, line, message);
             match &mut current {
                 Some((_, definition)) => {
-                    if !definition.read(&keyword, arguments, &mut note) && !self.unknown.contains(&keyword) {
+                    if !definition.read(&keyword, arguments, (file, line), &mut note)
+                        && !self.unknown.contains(&keyword)
+                    {
                         note(format!("statement {} is not known and is skipped, here and elsewhere", quote(&keyword)));
                         self.unknown.insert(keyword);
                     }
@@ -132,6 +136,7 @@ struct Definition {
     transparency: Option<f64>,
     refraction: Option<f64>,
     map_kd: Option<TextureMap>,
+    map_d: Option<TextureMap>,
 }
 
 impl Definition {
@@ -149,11 +154,19 @@ impl Definition {
             transparency: None,
             refraction: None,
             map_kd: None,
+            map_d: None,
         }
     }
 
     /// Reads a statement (`keyword` in lower case); false if there is none of that name.
-    fn read(&mut self, keyword: &str, arguments: &str, note: &mut impl FnMut(String)) -> bool {
+    fn read(
+        &mut self,
+        keyword: &str,
+        arguments: &str,
+        (library, line): (&str, u32),
+        note: &mut impl FnMut(String),
+    ) -> bool {
+        let at = |statement| texture::Place { statement, library, line };
         match keyword {
             "ka" => set(&mut self.ambient, color("Ka", arguments), note),
             "kd" => set(&mut self.diffuse, color("Kd", arguments), note),
@@ -174,9 +187,12 @@ impl Definition {
                 self.compare_dissolve(note);
             }
             "map_kd" => {
-                if let Some(map) = texture::read(arguments, note) {
-                    self.map_kd = Some(map);
-                }
+                let map = texture::read(arguments, at("map_Kd"), note);
+                self.map_kd = map.or(self.map_kd.take());
+            }
+            "map_d" => {
+                let map = texture::read(arguments, at("map_d"), note);
+                self.map_d = map.or(self.map_d.take());
             }
             // Other maps, and what physically based dialects add.
             "bump" | "disp" | "decal" | "refl" | "norm" | "sharpness" | "km" | "kt" | "pr" | "pm" | "ps" | "pc"
@@ -210,8 +226,9 @@ impl Definition {
             opacity: opacity.map_or(grey.opacity, |d| d.clamp(0.0, 1.0) as f32),
             refraction: self.refraction.map_or(grey.refraction, |ni| ni as f32),
             illum: self.illum.unwrap_or(if specular == [0.0; 3] { 1 } else { 2 }),
+            textured: false,
         };
-        NamedMaterial { name: self.name, material, map_kd: self.map_kd }
+        NamedMaterial { name: self.name, material, map_kd: self.map_kd, map_d: self.map_d }
     }
 }
 

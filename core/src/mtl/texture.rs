@@ -4,26 +4,23 @@
 //! some dialects put options behind the name. An option that is not known is a warning, never the end of the texture.
 
 use alloc::format;
-use alloc::string::{String, ToString};
+use alloc::string::String;
 use alloc::vec::Vec;
 
 use crate::text::{finite, path, quote, split_keyword};
+use crate::texture::Placement;
 
 /// A texture and how it lies on a surface.
 #[derive(Clone, PartialEq, Debug)]
 pub struct TextureMap {
     /// As the library names it, with `/` between folders.
     pub path: String,
-    /// `-s`: factor on the texture coordinates.
-    pub scale: [f32; 3],
-    /// `-o`: what is added to the scaled coordinates.
-    pub offset: [f32; 3],
-    /// `-clamp on`: no repetition outside 0 to 1.
-    pub clamp: bool,
-    /// `-mm`, first number: what is added to the scaled values.
-    pub base: f32,
-    /// `-mm`, second number: factor on the texture's values.
-    pub gain: f32,
+    /// The library that names it, and the line.
+    pub library: String,
+    /// See `library`.
+    pub line: u32,
+    /// How it lies there, and how bright it is.
+    pub placement: Placement,
 }
 
 /// What follows an option of a texture.
@@ -55,10 +52,21 @@ fn switch(word: &str) -> Option<bool> {
     }
 }
 
-/// The arguments of `map_Kd`: options, a file name that may hold spaces, and options again in some dialects.
-pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<TextureMap> {
-    let mut map =
-        TextureMap { path: String::new(), scale: [1.0; 3], offset: [0.0; 3], clamp: false, base: 0.0, gain: 1.0 };
+/// Where a texture is named.
+#[derive(Clone, Copy)]
+pub(super) struct Place<'a> {
+    pub statement: &'static str,
+    pub library: &'a str,
+    pub line: u32,
+}
+
+/// The arguments of a statement: options, a file name that may hold spaces, and options again in some dialects.
+pub(super) fn read(
+    arguments: &str,
+    Place { statement, library, line }: Place<'_>,
+    note: &mut impl FnMut(String),
+) -> Option<TextureMap> {
+    let mut map = TextureMap { path: String::new(), library: library.into(), line, placement: Placement::default() };
     let mut unknown = Vec::new();
     let mut rest = arguments;
     while !rest.is_empty() {
@@ -75,22 +83,27 @@ pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<Tex
                 map.path = path(&rest[..rest.len() - end.len()]);
                 rest = end;
             } else {
-                note(format!("map_Kd: {} after the file name is skipped", quote(rest)));
+                note(format!("{statement}: {} after the file name is skipped", quote(rest)));
                 break;
             }
             continue;
         };
         rest = match kind {
-            Arguments::Numbers(most) => read_numbers(&mut map, &lower, most, after, note),
+            Arguments::Numbers(most) => read_numbers(&mut map, (statement, &lower), most, after, note),
             Arguments::Switch => {
                 let (value, behind) = split_keyword(after);
                 match switch(value) {
                     Some(on) => {
-                        map.clamp = if lower == "-clamp" { on } else { map.clamp };
+                        if lower == "-clamp" {
+                            map.placement.clamp = on;
+                        }
                         behind
                     }
                     None => {
-                        note(format!("map_Kd: option {lower} is followed by {}: expected on or off", quote(value)));
+                        note(format!(
+                            "{statement}: option {lower} is followed by {}: expected on or off",
+                            quote(value)
+                        ));
                         after
                     }
                 }
@@ -99,11 +112,11 @@ pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<Tex
         };
     }
     if map.path.is_empty() {
-        note("map_Kd names no file; the statement is skipped".to_string());
+        note(format!("{statement} names no file; the statement is skipped"));
         return None;
     }
     for word in unknown {
-        note(format!("option {word} of map_Kd is not known; texture {} is used without it", quote(&map.path)));
+        note(format!("option {word} of {statement} is not known; texture {} is used without it", quote(&map.path)));
     }
     Some(map)
 }
@@ -111,7 +124,7 @@ pub(super) fn read(arguments: &str, note: &mut impl FnMut(String)) -> Option<Tex
 /// Reads up to `most` numbers into the field of `option`, and gives what follows them.
 fn read_numbers<'a>(
     map: &mut TextureMap,
-    option: &str,
+    (statement, option): (&str, &str),
     most: usize,
     arguments: &'a str,
     note: &mut impl FnMut(String),
@@ -127,16 +140,16 @@ fn read_numbers<'a>(
         rest = behind;
     }
     if count == 0 {
-        note(format!("map_Kd: option {option} has no number; it is skipped"));
+        note(format!("{statement}: option {option} has no number; it is skipped"));
         return rest;
     }
     match option {
-        "-s" => map.scale[..count].copy_from_slice(&values[..count]),
-        "-o" => map.offset[..count].copy_from_slice(&values[..count]),
+        "-s" => map.placement.scale[..count].copy_from_slice(&values[..count]),
+        "-o" => map.placement.offset[..count].copy_from_slice(&values[..count]),
         "-mm" => {
-            map.base = values[0];
+            map.placement.base = values[0];
             if count > 1 {
-                map.gain = values[1];
+                map.placement.gain = values[1];
             }
         }
         _ => {}

@@ -9,6 +9,7 @@
 //! gives no lines for warnings.
 
 mod front;
+mod textures;
 
 use alloc::format;
 use alloc::string::{String, ToString};
@@ -20,6 +21,7 @@ use std::io::Read;
 use crate::Mesh;
 use crate::mtl::{MOST_MATERIALS, Materials, NamedMaterial};
 use crate::text::{Notes, decode, path, quote};
+use crate::texture::Maps;
 use crate::triangulate::Triangulator;
 
 pub use crate::text::Note as Warning;
@@ -43,6 +45,8 @@ pub struct Model {
     /// library defines, in byte order; then, if there are faces without a material, a grey `default` (unless something
     /// is called that already). So no id depends on the order of the faces. Names are unique.
     pub materials: Vec<NamedMaterial>,
+    /// Their textures, by id; empty until [`Model::load_textures`] has read them.
+    pub textures: Vec<Maps>,
     /// Polygons read.
     pub faces: usize,
     /// What was not as it should be and did not stop the import.

@@ -1,12 +1,12 @@
-//! Numbers of up to 16 bits, one after the other in words, low bits first; one may begin in a word and end in the next.
+//! Numbers of up to 24 bits, one after the other in words, low bits first; one may begin in a word and end in the next.
 
 /// Bits that numbers up to `max` take; 0 for 0.
-pub(super) const fn width(max: u32) -> u32 {
+pub(crate) const fn width(max: u32) -> u32 {
     u32::BITS - max.leading_zeros()
 }
 
 /// Words that so many numbers take; `u64::MAX` if that is more than there can be.
-pub(super) const fn words_for(count: u64, width: u32) -> u64 {
+pub(crate) const fn words_for(count: u64, width: u32) -> u64 {
     match count.checked_mul(width as u64) {
         Some(bits) => bits.div_ceil(32),
         None => u64::MAX,
@@ -15,7 +15,7 @@ pub(super) const fn words_for(count: u64, width: u32) -> u64 {
 
 /// The number at `index`; 0 beyond the words.
 #[inline]
-pub(super) fn get(words: &[u32], index: u64, width: u32) -> u32 {
+pub(crate) fn get(words: &[u32], index: u64, width: u32) -> u32 {
     let bit = index * u64::from(width);
     let word = |i: u64| words.get(i as usize).map_or(0, |w| u64::from(*w));
     let two = word(bit / 32) | word(bit / 32 + 1) << 32;
@@ -24,7 +24,7 @@ pub(super) fn get(words: &[u32], index: u64, width: u32) -> u32 {
 
 /// Writes the number at `index`, where the bits are 0 as yet.
 #[cfg(feature = "alloc")]
-pub(super) fn set(words: &mut [u32], index: u64, width: u32, value: u32) {
+pub(crate) fn set(words: &mut [u32], index: u64, width: u32, value: u32) {
     let bit = index * u64::from(width);
     let (at, value) = ((bit / 32) as usize, u64::from(value) << (bit % 32));
     for (word, part) in words[at..].iter_mut().zip([value as u32, (value >> 32) as u32]) {
@@ -46,7 +46,7 @@ mod tests {
     #[cfg(feature = "alloc")]
     #[test]
     fn numbers_come_back_across_words() {
-        for width in 1..=16 {
+        for width in 1..=24 {
             let number = |i: u64| (i as u32 * 0x9e37 + 5) & ((1 << width) - 1);
             let mut words = [0; 40];
             let count = 1280 / u64::from(width);

@@ -4,7 +4,7 @@
 //! bits as the largest needs; goes into files), [`Palettes`] (blocks with palettes of their own) and [`Moxels`]
 //! (Williams's table, with or without normals). They know no geometry: an array fits any that has as many voxels.
 
-mod bits;
+pub(crate) mod bits;
 mod moxels;
 mod packed;
 mod palette;
@@ -29,7 +29,7 @@ use crate::rank::Rank;
 use crate::table::Entry;
 
 /// More voxels than a cube has.
-const MAX_COUNT: u64 = 1 << 63;
+pub(crate) const MAX_COUNT: u64 = 1 << 63;
 
 /// Values of the filled voxels in Morton order. Look-ups are total: beyond the last voxel the answer is material 0 and
 /// no normal.
@@ -120,14 +120,14 @@ impl core::fmt::Display for RankedError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
         match self {
             RankedError::Length { expected, found } => {
-                write!(f, "the ranked materials have {found} words: expected {expected}")
+                write!(f, "the values by rank have {found} words: expected {expected}")
             }
             RankedError::Header { word } => {
-                write!(f, "word {word} of the ranked materials is out of range or disagrees with the values")
+                write!(f, "word {word} of the values by rank is out of range or disagrees with the values")
             }
-            RankedError::Value { word } => write!(f, "word {word} of the ranked materials is no value"),
+            RankedError::Value { word } => write!(f, "word {word} of the values by rank is no value"),
             RankedError::Voxels { expected, found } => {
-                write!(f, "there are materials for {found} voxels: the geometry has {expected}")
+                write!(f, "there are values for {found} voxels: the geometry has {expected}")
             }
         }
     }
@@ -154,7 +154,7 @@ fn in_order(
 
 /// Appends words, or says how many bytes could not be had.
 #[cfg(feature = "alloc")]
-fn append(words: &mut alloc::vec::Vec<u32>, more: &[u32]) -> Result<(), BuildError> {
+pub(crate) fn append(words: &mut alloc::vec::Vec<u32>, more: &[u32]) -> Result<(), BuildError> {
     words.try_reserve(more.len()).map_err(|_| BuildError::Memory { bytes: 4 * more.len() as u64 })?;
     words.extend_from_slice(more);
     Ok(())

@@ -9,8 +9,10 @@
 use glam::Vec3;
 
 use super::frame::Frame;
+use super::kernel::{self, Chosen, Kernel};
 use super::sampling::Seen;
-use super::{Counters, Settings, View, bend, follow, shadow};
+use super::{Counters, View, bend, follow, shadow};
+use crate::color;
 use crate::effects::{self, Effects};
 use crate::geometry::Geometry;
 use crate::grid::Grid;
@@ -42,6 +44,8 @@ pub(super) struct Batch {
     points: [[f64; 3]; SAMPLES],
     materials: [MaterialId; SAMPLES],
     normals: [Normal; SAMPLES],
+    /// The colours of their textures.
+    tints: [[u8; 3]; SAMPLES],
     colors: [[f32; 3]; SAMPLES],
     /// Whether shadow rays start above the point.
     above: [bool; SAMPLES],
@@ -72,6 +76,7 @@ impl Batch {
             points: [[0.0; 3]; SAMPLES],
             materials: [0; SAMPLES],
             normals: [NO_NORMAL; SAMPLES],
+            tints: [[255; 3]; SAMPLES],
             colors: [[0.0; 3]; SAMPLES],
             above: [false; SAMPLES],
             rays: [NO_RAY; SAMPLES],
@@ -162,10 +167,10 @@ impl Batch {
     }
 
     /// Works out what all samples send back along their rays, but what comes from other surfaces.
-    pub fn shade<M: Materials, G: Geometry>(
+    pub fn shade<K: Kernel, M: Materials, G: Geometry>(
         &mut self,
         view: &View<'_, M, G>,
-        settings: &Settings,
+        settings: &Chosen<K>,
         counters: &mut Counters,
     ) {
         if self.count == 0 {
@@ -185,31 +190,72 @@ impl Batch {
             }
             _ => normals.len() as u64,
         };
-        let glows = settings.effects.contains(Effects::EMISSION);
-        for (color, id) in self.colors.iter_mut().zip(&self.materials[..self.count]) {
-            *color = looking(view.palette, *id, settings.effects, |material| {
+        if settings.effects().contains(Effects::TEXTURES) {
+            self.tint(view, counters);
+        }
+        let glows = settings.effects().contains(Effects::EMISSION);
+        for i in 0..self.count {
+            self.colors[i] = self.looking(i, view.palette, settings.effects(), |material| {
                 let color = shade::glow(material, settings.ambient);
                 if glows { (Vec3::from(color) + Vec3::from(material.emission)).to_array() } else { color }
             });
         }
-        let shadows = settings.effects.contains(Effects::SHADOWS) && view.lights.iter().any(|light| light.shadow);
-        if shadows || settings.effects.intersects(LEAVING) {
+        let shadows = settings.effects().contains(Effects::SHADOWS) && view.lights.iter().any(|light| light.shadow);
+        if shadows || settings.effects().intersects(LEAVING) {
+            let start = K::now();
             self.rise(view, settings, shadows);
+            counters.shadow_time += kernel::since::<K>(start);
         }
         for light in view.lights {
             self.light(view, settings, light, counters);
         }
     }
 
+    /// Looks up the colours of the samples' textures.
+    #[inline(never)]
+    fn tint<M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, counters: &mut Counters) {
+        for i in 0..self.count {
+            if material(view.palette, self.materials[i]).textured {
+                counters.textures += 1;
+                self.tints[i] = view.materials.color(self.hits[i].voxel).unwrap_or([255; 3]);
+            }
+        }
+    }
+
+    /// What `shade` makes of a sample's material: under its texture, and of what is left of it where one sees through it.
+    #[inline]
+    fn looking(
+        &self,
+        i: usize,
+        palette: &[Material],
+        effects: Effects,
+        shade: impl FnOnce(&Material) -> [f32; 3],
+    ) -> [f32; 3] {
+        let material = material(palette, self.materials[i]);
+        let is_textured = effects.contains(Effects::TEXTURES) && material.textured;
+        let is_clear = effects.contains(Effects::TRANSPARENCY) && Effects::of(material).contains(Effects::TRANSPARENCY);
+        if !is_textured && !is_clear {
+            return shade(material);
+        }
+        let mut own = *material;
+        if is_textured {
+            let linear = self.tints[i].map(|byte| f32::from(color::LINEAR[usize::from(byte)]) / color::WHITE as f32);
+            for color in [&mut own.ambient, &mut own.diffuse] {
+                *color = (Vec3::from(*color) * Vec3::from(linear)).to_array();
+            }
+        }
+        if is_clear { shade(&effects::faded(&own)) } else { shade(&own) }
+    }
+
     /// Finds out from where rays leave the samples' surfaces: of all, or only of those that may send rays back.
-    fn rise<M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, settings: &Settings, all: bool) {
+    fn rise<K: Kernel, M: Materials, G: Geometry>(&mut self, view: &View<'_, M, G>, settings: &Chosen<K>, all: bool) {
         let mut waiting = 0;
         for i in 0..self.count {
             if !(all || Effects::of(material(view.palette, self.materials[i])).intersects(LEAVING)) {
                 continue;
             }
             let (hit, point) = (&self.hits[i], self.points[i]);
-            let above = shadow::above(hit, point, &self.normals[i]);
+            let above = shadow::above(hit, point, &self.normals[i], settings.lift);
             let way = above.and_then(|above| shadow::from_hit(hit, point, &LightKind::Point(above)));
             // Without a ray nothing is in the way.
             self.above[i] = above.is_some();
@@ -222,6 +268,7 @@ impl Batch {
         if waiting == 0 {
             return;
         }
+        K::follows(&self.rays[..waiting], false);
         view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
         for ray in 0..waiting {
             self.above[usize::from(self.waiting[ray].0)] = !self.blocked[ray];
@@ -230,19 +277,19 @@ impl Batch {
 
     /// The shadow ray of a sample to a light in grid coordinates; `None` if nothing is in its way.
     #[inline]
-    fn shadow(&self, i: usize, light: &LightKind) -> Option<Query> {
+    fn shadow(&self, i: usize, light: &LightKind, lift: f32) -> Option<Query> {
         let (hit, point) = (&self.hits[i], self.points[i]);
-        match shadow::above(hit, point, &self.normals[i]) {
+        match shadow::above(hit, point, &self.normals[i], lift) {
             Some(above) if self.above[i] => Some(shadow::from(above, light)),
             _ => shadow::from_hit(hit, point, light),
         }
     }
 
     /// Adds a light to the colour of the samples that it reaches.
-    fn light<M: Materials, G: Geometry>(
+    fn light<K: Kernel, M: Materials, G: Geometry>(
         &mut self,
         view: &View<'_, M, G>,
-        settings: &Settings,
+        settings: &Chosen<K>,
         light: &Light,
         counters: &mut Counters,
     ) {
@@ -250,41 +297,46 @@ impl Batch {
             LightKind::Point(position) => LightKind::Point(view.grid.to_grid(position)),
             sun => sun,
         };
-        let casts_shadows = light.shadow && settings.effects.contains(Effects::SHADOWS);
+        let casts_shadows = light.shadow && settings.effects().contains(Effects::SHADOWS);
         let mut waiting = 0;
         for i in 0..self.count {
             let surface = self.surface(i, &view.grid);
             let Some(incidence) = light.falls_on(&surface) else { continue };
-            if casts_shadows && let Some(ray) = self.shadow(i, &in_grid) {
+            if casts_shadows && let Some(ray) = self.shadow(i, &in_grid, settings.lift) {
                 self.rays[waiting] = ray;
                 self.waiting[waiting] = (i as u8, incidence);
                 waiting += 1;
             } else {
-                self.reflect(i, view.palette, settings.effects, &surface, (light, incidence), counters);
+                self.reflect(i, view.palette, settings.effects(), &surface, (light, incidence), counters);
             }
         }
 
         if waiting == 0 {
             return;
         }
+        counters.shadow += waiting as u64;
+        K::follows(&self.rays[..waiting], true);
+        let start = K::now();
         view.tracer.occluded_many(settings.arithmetic, &self.rays[..waiting], &mut self.blocked);
-        let may_pass = settings.effects.contains(Effects::TRANSPARENCY);
+        counters.shadow_time += kernel::since::<K>(start);
+        let may_pass = settings.effects().contains(Effects::TRANSPARENCY);
         for ray in 0..waiting {
-            let dimmed;
-            let light = if !self.blocked[ray] {
-                light
-            } else if may_pass && let Some(share) = follow::transmitted(view, settings, self.rays[ray]) {
-                dimmed = Light { color: [0, 1, 2].map(|i| light.color[i] * share[i]), ..*light };
-                &dimmed
-            } else {
-                continue;
-            };
+            let mut light = *light;
+            if self.blocked[ray] {
+                if !may_pass {
+                    continue;
+                }
+                let start = K::now();
+                let share = follow::transmitted(view, settings, self.rays[ray]);
+                counters.shadow_time += kernel::since::<K>(start);
+                let Some(share) = share else { continue };
+                light.color = [0, 1, 2].map(|i| light.color[i] * share[i]);
+            }
             let (i, incidence) = self.waiting[ray];
             let i = usize::from(i);
             let surface = self.surface(i, &view.grid);
-            self.reflect(i, view.palette, settings.effects, &surface, (light, incidence), counters);
+            self.reflect(i, view.palette, settings.effects(), &surface, (&light, incidence), counters);
         }
-        counters.shadow += waiting as u64;
     }
 
     /// What is lit of a sample.
@@ -310,7 +362,7 @@ impl Batch {
         counters: &mut Counters,
     ) {
         let color = self.colors[i];
-        self.colors[i] = looking(palette, self.materials[i], effects, |material| {
+        self.colors[i] = self.looking(i, palette, effects, |material| {
             let color = shade::matte(color, material, light, incidence);
             if !(effects.contains(Effects::SPECULAR) && shade::has_highlight(material)) {
                 return color;
@@ -360,22 +412,6 @@ pub(super) struct Met<'a> {
     pub above: bool,
     pub id: MaterialId,
     pub material: &'a Material,
-}
-
-/// What `shade` makes of a material: of all of it, or of what is left of it where one sees through it.
-#[inline]
-fn looking(
-    palette: &[Material],
-    id: MaterialId,
-    effects: Effects,
-    shade: impl FnOnce(&Material) -> [f32; 3],
-) -> [f32; 3] {
-    let material = material(palette, id);
-    if effects.contains(Effects::TRANSPARENCY) && Effects::of(material).contains(Effects::TRANSPARENCY) {
-        shade(&effects::faded(material))
-    } else {
-        shade(material)
-    }
 }
 
 /// A material of a palette; beyond its end grey.

@@ -41,8 +41,8 @@ pub(super) fn refracted(dir: [f64; 3], n: [f64; 3], ratio: f64) -> Option<[f64; 
 
 /// The ray along `dir` back from a surface; `None` if it meets nothing. Where it starts on a step, what of it leads into the
 /// step's side is taken away.
-pub(super) fn back(met: &Met<'_>, dir: [f64; 3]) -> Option<Query> {
-    match shadow::above(&met.hit, met.point, &met.normal) {
+pub(super) fn back(met: &Met<'_>, dir: [f64; 3], lift: f32) -> Option<Query> {
+    match shadow::above(&met.hit, met.point, &met.normal, lift) {
         Some(above) if met.above => Some(Query::new(above, dir)),
         _ => {
             let side = met.hit.face.normal().map(f64::from);

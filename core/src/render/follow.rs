@@ -9,7 +9,8 @@
 
 use super::batch::{Batch, Met, SAMPLES};
 use super::bend::{self, Behind};
-use super::{Counters, Settings, View};
+use super::kernel::{self, Chosen, Kernel};
+use super::{Counters, View};
 use crate::color::{self, BRIGHTEST};
 use crate::effects::{self, Effects};
 use crate::geometry::Geometry;
@@ -92,14 +93,15 @@ impl Follow {
     }
 
     /// The colours of shaded samples, quantised, in their order.
-    pub fn colors<M: Materials, G: Geometry>(
+    pub fn colors<K: Kernel, M: Materials, G: Geometry>(
         &mut self,
         samples: &Batch,
         view: &View<'_, M, G>,
-        settings: &Settings,
+        settings: &Chosen<K>,
         counters: &mut Counters,
     ) -> &[[u32; 3]] {
         let Follow { batch, paths, waiting } = self;
+        let (start, shadow_time) = (K::now(), counters.shadow_time);
         for (i, (_, color, _)) in samples.shaded().enumerate() {
             waiting.colors[i] = color.map(color::quantize);
             let path = Path { sample: i as u8, ..Path::WHOLE };
@@ -132,6 +134,7 @@ impl Follow {
         let brightest = color::quantize(BRIGHTEST);
         let colors = &mut waiting.colors[..samples.len()];
         colors.as_flattened_mut().iter_mut().for_each(|channel| *channel = brightest.min(*channel));
+        counters.secondary_time += kernel::since::<K>(start).saturating_sub(counters.shadow_time - shadow_time);
         colors
     }
 }
@@ -146,7 +149,7 @@ impl Waiting {
     }
 
     /// Adds a ray; without one its share is of the background.
-    fn push(&mut self, path: Path, ray: Option<Query>, settings: &Settings) {
+    fn push<K>(&mut self, path: Path, ray: Option<Query>, settings: &Chosen<K>) {
         let Some(ray) = ray else { return self.add(&path, settings.background) };
         debug_assert!(self.count < ROOM, "more rays than were reckoned with");
         if let (Some(dir), Some(room)) = (math::normalize(ray.dir), self.rays.get_mut(self.count)) {
@@ -156,10 +159,10 @@ impl Waiting {
     }
 
     /// Sends on the rays that a surface calls for which `path` has come to.
-    fn send_on<M: Materials, G: Geometry>(
+    fn send_on<K: Kernel, M: Materials, G: Geometry>(
         &mut self,
         view: &View<'_, M, G>,
-        settings: &Settings,
+        settings: &Chosen<K>,
         met: &Met<'_>,
         path: Path,
     ) {
@@ -180,12 +183,12 @@ impl Waiting {
         if effects.contains(Effects::MIRROR) && met.hit.face != Face::Inside {
             mirrored = effects::mirrored(met.material, -math::dot(dir, n) as f32, sees_through);
             if let Some(path) = next(mirrored) {
-                self.push(path, bend::back(met, bend::reflected(dir, n)), settings);
+                self.push(path, bend::back(met, bend::reflected(dir, n), settings.lift), settings);
             }
         }
         if sees_through && let Some(path) = next(effects::passed(met.material, mirrored)) {
             let refracts = effects.contains(Effects::REFRACTION);
-            let (ray, medium) = through(view, met, (dir, n), refracts, path.medium);
+            let (ray, medium) = through(view, (met, settings.lift), (dir, n), refracts, path.medium);
             self.push(Path { medium, ..path }, ray, settings);
         }
     }
@@ -193,8 +196,8 @@ impl Waiting {
 
 /// The effects that a material calls for and that may be drawn.
 #[inline]
-pub(super) fn effects_of<M, G>(view: &View<'_, M, G>, settings: &Settings, id: MaterialId) -> Effects {
-    Effects::of(super::batch::material(view.palette, id)).intersection(settings.effects)
+pub(super) fn effects_of<K: Kernel, M, G>(view: &View<'_, M, G>, settings: &Chosen<K>, id: MaterialId) -> Effects {
+    Effects::of(super::batch::material(view.palette, id)).intersection(settings.effects())
 }
 
 /// The ray behind a transparent surface that one along `dir` met, in front of which it is in `medium`, and in what it is then.
@@ -204,7 +207,7 @@ pub(super) fn effects_of<M, G>(view: &View<'_, M, G>, settings: &Settings, id: M
 /// in the direction in which it was entered, as a plate is.
 fn through<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
-    met: &Met<'_>,
+    (met, lift): (&Met<'_>, f32),
     (dir, n): ([f64; 3], [f64; 3]),
     refracts: bool,
     medium: Option<MaterialId>,
@@ -215,7 +218,7 @@ fn through<M: Materials, G: Geometry>(
         let inside = medium == Some(met.id);
         match bend::refracted(dir, n, if inside { density } else { 1.0 / density }) {
             Some(dir) => bent = dir,
-            None => return (bend::back(met, bend::reflected(dir, n)), medium),
+            None => return (bend::back(met, bend::reflected(dir, n), lift), medium),
         }
         behind_it = if inside { None } else { Some(met.id) };
     }
@@ -231,9 +234,9 @@ fn through<M: Materials, G: Geometry>(
 
 /// The share of a light, per channel, that comes along a shadow ray through transparent surfaces, straight, whatever their
 /// Ni; `None` if nothing does.
-pub(super) fn transmitted<M: Materials, G: Geometry>(
+pub(super) fn transmitted<K, M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
-    settings: &Settings,
+    settings: &Chosen<K>,
     mut ray: Query,
 ) -> Option<[f32; 3]> {
     let mut share = [1.0; 3];

@@ -15,6 +15,7 @@ mod batch;
 mod bend;
 mod follow;
 mod frame;
+mod kernel;
 mod sampling;
 mod shadow;
 mod show;
@@ -35,6 +36,8 @@ use crate::trace::{Arithmetic, Tracer};
 use follow::{Follow, GOES_ON};
 use frame::Frame;
 pub use frame::{MAX_SIDE, Pixel, RenderError, each_pixel};
+use kernel::Chosen;
+pub use kernel::{Full, Kernel, Phong, Shadows};
 pub use sampling::{Samples, Supersample};
 pub use show::{Show, Spread, show_rows};
 use tile::Tile;
@@ -62,11 +65,14 @@ pub struct Settings {
     pub background: [f32; 3],
     /// Effects that may be drawn: of these the ones that materials and lights call for ([`Effects::needed`]).
     pub effects: Effects,
+    /// How high above a surface the rays start that leave it, along its fitted normal, where the way there is free: 1 is as
+    /// high as its steps can be, `|nx| + |ny| + |nz|` voxels along the unit normal n. 0 is on the steps, exact by index.
+    pub lift: f32,
 }
 
 impl Default for Settings {
-    /// 1024 x 1024, one sample, exact rays, [`NormalKind::Plane2`], faint ambient light, a light grey background, and all
-    /// effects that the scene calls for.
+    /// 1024 x 1024, one sample, exact rays, [`NormalKind::Plane2`], faint ambient light, a light grey background, all
+    /// effects that the scene calls for, and rays that start just above the steps.
     fn default() -> Settings {
         Settings {
             width: 1024,
@@ -80,6 +86,7 @@ impl Default for Settings {
             // sRGB (222, 226, 230).
             background: [0.730_46, 0.760_525, 0.791_298],
             effects: Effects::ALL,
+            lift: 1.0,
         }
     }
 }
@@ -116,8 +123,15 @@ pub struct Counters {
     pub highlights: u64,
     /// Normals worked out from the voxels around a hit; those on the way of a shadow ray are not counted.
     pub normals: u64,
+    /// Colours of textures looked up.
+    pub textures: u64,
     /// Pixels that took all samples of a pattern of more than one.
     pub supersampled: u64,
+    /// Time, by the kernel's clock ([`Kernel::now`]), that shadow rays took, with the short ones to where they start and those through
+    /// what is transparent.
+    pub shadow_time: u64,
+    /// Time that rays that go on took, with the shading of what they meet, but for the shadows there.
+    pub secondary_time: u64,
 }
 
 impl core::ops::AddAssign for Counters {
@@ -128,7 +142,10 @@ impl core::ops::AddAssign for Counters {
         self.hits += other.hits;
         self.highlights += other.highlights;
         self.normals += other.normals;
+        self.textures += other.textures;
         self.supersampled += other.supersampled;
+        self.shadow_time += other.shadow_time;
+        self.secondary_time += other.secondary_time;
     }
 }
 
@@ -136,7 +153,20 @@ impl core::ops::AddAssign for Counters {
 ///
 /// Fastest for a multiple of 4 rows. Takes about 80 KiB of stack, most of it for 256 samples on their way (some 150 KiB where
 /// the tracer takes many rays at once), another 150 KiB where rays go on from surfaces, and no heap.
+///
+/// Draws by the kernel [`Full`]: narrower ones save code, but no time.
 pub fn render_rows<M: Materials, G: Geometry>(
+    view: &View<'_, M, G>,
+    settings: &Settings,
+    rows: Range<u32>,
+    out: &mut [u32],
+) -> Result<Counters, RenderError> {
+    render_rows_by::<Full, M, G>(view, settings, rows, out)
+}
+
+/// The same by a kernel that is named, `render_rows_by::<Phong, _, _>(..)`: a program that names one links the code of that
+/// one. What the kernel cannot draw is off.
+pub fn render_rows_by<K: Kernel, M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,
     rows: Range<u32>,
@@ -145,9 +175,9 @@ pub fn render_rows<M: Materials, G: Geometry>(
     let Settings { width, height, .. } = *settings;
     let frame = Frame::new(&view.camera, &view.grid, [width, height], &rows, out.len())?;
     let effects = settings.effects.intersection(Effects::needed(view.palette, view.lights));
-    let settings = &Settings { effects, ..*settings };
+    let settings = &Chosen::<K>::new(settings, effects);
     // Room for rays that go on is taken only where there are some.
-    if effects.intersects(GOES_ON) {
+    if settings.effects().intersects(GOES_ON) {
         Ok(with_follow(&frame, view, settings, rows, out))
     } else {
         Ok(draw(&frame, Tile::new(view, settings, None), width, rows, out))
@@ -155,10 +185,10 @@ pub fn render_rows<M: Materials, G: Geometry>(
 }
 
 #[inline(never)]
-fn with_follow<M: Materials, G: Geometry>(
+fn with_follow<K: Kernel, M: Materials, G: Geometry>(
     frame: &Frame,
     view: &View<'_, M, G>,
-    settings: &Settings,
+    settings: &Chosen<K>,
     rows: Range<u32>,
     out: &mut [u32],
 ) -> Counters {
@@ -168,9 +198,9 @@ fn with_follow<M: Materials, G: Geometry>(
 
 /// Draws rows tile by tile.
 #[inline]
-fn draw<M: Materials, G: Geometry>(
+fn draw<K: Kernel, M: Materials, G: Geometry>(
     frame: &Frame,
-    mut tile: Tile<'_, M, G>,
+    mut tile: Tile<'_, K, M, G>,
     width: u32,
     rows: Range<u32>,
     out: &mut [u32],

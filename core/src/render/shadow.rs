@@ -16,17 +16,18 @@ use crate::normal::{Confidence, Normal};
 use crate::shade::LightKind;
 use crate::trace::{Face, Hit, Query};
 
-/// The place from which rays are free of the steps around `point`; `None` if they are to start there.
+/// The place above `point` from which rays start, free of the steps around it if `lift` is 1; `None` if they are to start
+/// at the point.
 ///
 /// A plane with the unit normal n passes only through voxels whose points are less than `|nx| + |ny| + |nz|` above it, and
 /// a hit on them is not below it: from that much higher no ray that rises from the plane meets them.
 #[inline]
-pub(super) fn above(hit: &Hit, point: [f64; 3], normal: &Normal) -> Option<[f64; 3]> {
-    if normal.confidence == Confidence::Face || hit.face == Face::Inside {
+pub(super) fn above(hit: &Hit, point: [f64; 3], normal: &Normal, lift: f32) -> Option<[f64; 3]> {
+    if normal.confidence == Confidence::Face || hit.face == Face::Inside || !(lift > 0.0) {
         return None;
     }
     let n = normal.direction.map(f64::from);
-    Some(math::add_scaled(point, n, n[0].abs() + n[1].abs() + n[2].abs()))
+    Some(math::add_scaled(point, n, f64::from(lift) * (n[0].abs() + n[1].abs() + n[2].abs())))
 }
 
 /// The ray from `origin` to a light, both in grid coordinates; it ends at the light.
@@ -81,8 +82,12 @@ mod tests {
         // As high as a voxel is along the normal.
         let fitted = Normal { direction: [0.0, 0.75, -0.5], confidence: Confidence::Stored };
         let side = Normal { confidence: Confidence::Face, ..fitted };
-        assert_eq!(above(&hit(None, Face::PosY), point, &fitted), Some([1.5, 2.0 + 1.25 * 0.75, 1.5 - 1.25 * 0.5]));
-        assert_eq!(above(&hit(None, Face::PosY), point, &side), None);
-        assert_eq!(above(&hit(None, Face::Inside), point, &fitted), None);
+        assert_eq!(
+            above(&hit(None, Face::PosY), point, &fitted, 1.0),
+            Some([1.5, 2.0 + 1.25 * 0.75, 1.5 - 1.25 * 0.5])
+        );
+        assert_eq!(above(&hit(None, Face::PosY), point, &side, 1.0), None);
+        assert_eq!(above(&hit(None, Face::Inside), point, &fitted, 1.0), None);
+        assert_eq!(above(&hit(None, Face::PosY), point, &fitted, 0.0), None);
     }
 }

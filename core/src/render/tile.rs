@@ -7,6 +7,7 @@
 use super::batch::Batch;
 use super::follow::{Follow, GOES_ON, effects_of};
 use super::frame::Frame;
+use super::kernel::{Chosen, Kernel};
 use super::sampling::{Plan, Samples, Seen, Smooth, Supersample};
 use super::{Counters, Settings, View};
 use crate::color::{self, Mean};
@@ -22,9 +23,9 @@ pub(super) const HEIGHT: u32 = 4;
 const PIXELS: usize = (WIDTH * HEIGHT) as usize;
 
 /// A tile, and what it takes to draw one after the other.
-pub(super) struct Tile<'a, M, G> {
+pub(super) struct Tile<'a, K, M, G> {
     view: &'a View<'a, M, G>,
-    settings: &'a Settings,
+    settings: &'a Chosen<K>,
     /// Quantised.
     background: [u32; 3],
     smooth: Option<Smooth>,
@@ -44,9 +45,9 @@ struct Pixel {
     first: Option<Option<Seen>>,
 }
 
-impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
+impl<'a, K: Kernel, M: Materials, G: Geometry> Tile<'a, K, M, G> {
     /// Room for any tile of a picture; the effects are those that the scene calls for.
-    pub fn new(view: &'a View<'a, M, G>, settings: &'a Settings, follow: Option<&'a mut Follow>) -> Tile<'a, M, G> {
+    pub fn new(view: &'a View<'a, M, G>, settings: &'a Chosen<K>, follow: Option<&'a mut Follow>) -> Tile<'a, K, M, G> {
         let smooth = match settings.supersample {
             Supersample::Adaptive { degrees } => Some(Smooth::within(degrees)),
             _ => None,
@@ -71,7 +72,7 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
     /// Draws the tile whose upper left pixel is in column `left` and row `top` into `strip`, whole rows of the picture from
     /// `top` on; as much of it as there is.
     pub fn draw(&mut self, frame: &Frame, [left, top]: [u32; 2], strip: &mut [u32]) {
-        let Settings { width, samples, supersample, .. } = *self.settings;
+        let Settings { width, samples, supersample, .. } = **self.settings;
         let columns = WIDTH.min(width - left);
         let rows = HEIGHT.min(strip.len() as u32 / width);
         let places = || (0..rows * columns).map(|i| [left + i % columns, top + i / columns]);
@@ -123,7 +124,9 @@ impl<'a, M: Materials, G: Geometry> Tile<'a, M, G> {
             }
         });
         batch.shade(view, settings, counters);
-        if let Some(follow) = follow {
+        if settings.effects().intersects(GOES_ON)
+            && let Some(follow) = follow
+        {
             for ((pixel, _, seen), color) in batch.shaded().zip(follow.colors(batch, view, settings, counters)) {
                 let pixel = &mut pixels[usize::from(pixel)];
                 pixel.add(*color, Some(seen), smooth);
@@ -165,11 +168,12 @@ mod tests {
     use super::*;
     use crate::dag::Dag;
     use crate::materials::Single;
+    use crate::render::Full;
 
     /// [`super::super::render_rows`] promises it.
     #[test]
     fn a_tile_fits_into_80_kib() {
-        let bytes = size_of::<Tile<'_, Single, Dag<'_>>>();
+        let bytes = size_of::<Tile<'_, Full, Single, Dag<'_>>>();
         assert!((70 << 10..80 << 10).contains(&bytes), "{bytes} bytes");
     }
 }

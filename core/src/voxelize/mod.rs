@@ -7,16 +7,20 @@
 //! 2.2) in being exact, hierarchical and independent of the order of triangles and of their vertices.
 
 mod owner;
+mod paint;
 mod prism;
 mod subtree;
 
+pub use owner::Owner;
 pub use subtree::Marked;
 
 use alloc::vec::Vec;
 
 use crate::grid::{Grid, GridError};
+use crate::material::MaterialId;
 use crate::mesh::{Mesh, MeshError};
 use crate::morton::Morton;
+use crate::texture::Maps;
 use prism::{Prism, Verdict};
 
 /// Which voxels a triangle marks.
@@ -66,6 +70,8 @@ pub struct Voxelizer<'m> {
     mesh: Mesh<'m>,
     grid: Grid,
     cover: Cover,
+    /// By material.
+    textures: &'m [Maps],
     /// Snapped positions; 0 for vertices that no triangle uses.
     snapped: Vec<[i32; 3]>,
     /// Level of the subtrees: each spans `2^level` voxels.
@@ -114,10 +120,28 @@ impl<'m> Voxelizer<'m> {
 
         let depth = grid.depth().max(2);
         let level = depth - (depth - 2).min(SPLIT);
-        let mut voxelizer =
-            Voxelizer { mesh: *mesh, grid, cover, snapped, level, subtrees: Vec::new(), lists: Vec::new() };
+        let mut voxelizer = Voxelizer {
+            mesh: *mesh,
+            grid,
+            cover,
+            textures: &[],
+            snapped,
+            level,
+            subtrees: Vec::new(),
+            lists: Vec::new(),
+        };
         voxelizer.sort_into_subtrees(limit)?;
         Ok(voxelizer)
+    }
+
+    /// With the textures of the materials, by id; those beyond the end have none.
+    pub fn with_textures(self, textures: &'m [Maps]) -> Voxelizer<'m> {
+        Voxelizer { textures, ..self }
+    }
+
+    /// Whether a material has a texture that colours its voxels.
+    pub fn is_textured(&self, material: MaterialId) -> bool {
+        self.textures.get(usize::from(material)).is_some_and(|maps| maps.diffuse.is_some())
     }
 
     /// Calls `each` with every triangle and every subtree that it can mark (its code in units of subtrees).

@@ -41,6 +41,17 @@ impl Plane {
     }
 }
 
+/// What a voxel takes over from the triangle that owns it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Owner {
+    /// Its material.
+    pub material: MaterialId,
+    /// Its normal: integer, not of unit length, the first component that is not 0 positive; 0 if it has no area.
+    pub normal: [i64; 3],
+    /// The colour of its texture in the voxel, sRGB; `None` if its material has none.
+    pub color: Option<[u8; 3]>,
+}
+
 /// Greatest common divisor; `gcd(0, 0) = 0`.
 fn gcd(a: u64, b: u64) -> u64 {
     let (mut a, mut b) = (a, b);
@@ -71,35 +82,57 @@ impl Voxelizer<'_> {
         brick.triangles.iter().all(|t| material(t) == first).then_some(first)
     }
 
-    /// Calls `each` with every marked voxel's bit, its owner's material and its owner's normal (integer, not of unit
-    /// length, its first component that is not 0 positive; 0 if the owner has no area), in Morton order.
-    pub fn owners(&self, subtree: usize, brick: &Marked<'_>, mut each: impl FnMut(u32, MaterialId, [i64; 3])) {
+    /// Whether a voxel of the brick may be owned by a triangle with a texture.
+    pub fn may_have_colors(&self, brick: &Marked<'_>) -> bool {
+        !self.textures.is_empty() && brick.triangles.iter().any(|(triangle, _)| self.texture(*triangle).is_some())
+    }
+
+    /// Calls `each` with every marked voxel's bit and its owner, in Morton order.
+    pub fn owners(&self, subtree: usize, brick: &Marked<'_>, mut each: impl FnMut(u32, Owner)) {
         let base = Morton(self.subtree_code(subtree).0 | brick.code.0).decode().map(i64::from);
-        let mut best: [Option<(f64, Plane)>; 64] = [None; 64];
+        let mut best: [Option<(f64, Plane, u32)>; 64] = [None; 64];
         for &(triangle, mask) in brick.triangles {
             let plane = self.plane(triangle);
             for bit in bits(mask) {
-                let cell = cell_of(bit);
-                let distance = plane.distance(core::array::from_fn(|i| SUB * (base[i] + cell[i] as i64) + SUB / 2));
+                let distance = plane.distance(center(base, bit));
                 let nearer = match &best[bit] {
                     None => true,
-                    Some((d, other)) => distance < *d || distance == *d && plane.before(other).is_lt(),
+                    Some((d, other, owner)) if distance == *d => match plane.before(other) {
+                        // Of one plane and material: which of them it is matters to textures only.
+                        Ordering::Equal => {
+                            self.texture(triangle).is_some() && self.shows_before(triangle, *owner, center(base, bit))
+                        }
+                        order => order.is_lt(),
+                    },
+                    Some((d, ..)) => distance < *d,
                 };
                 if nearer {
-                    best[bit] = Some((distance, plane));
+                    best[bit] = Some((distance, plane, triangle));
                 }
             }
         }
+        // Neighbours mostly have one owner.
+        let mut last = None;
         for bit in bits(brick.mask) {
-            if let Some((_, plane)) = &best[bit] {
-                each(bit as u32, plane.material, plane.normal);
+            if let Some((_, Plane { material, normal, .. }, triangle)) = best[bit] {
+                let (_, paint) = match last.take().filter(|(known, _)| *known == triangle) {
+                    Some(paint) => last.insert(paint),
+                    None => last.insert((triangle, self.paint(triangle))),
+                };
+                each(bit as u32, Owner { material, normal, color: paint.as_ref().map(|p| p.color(center(base, bit))) });
             }
         }
     }
 }
 
+/// Centre of a voxel of the brick whose first voxel is `first`, in 1/256 voxels.
+pub(super) fn center(first: [i64; 3], bit: usize) -> [i64; 3] {
+    let cell = cell_of(bit);
+    core::array::from_fn(|i| SUB * (first[i] + cell[i] as i64) + SUB / 2)
+}
+
 /// The set bits of a mask, ascending.
-fn bits(mask: u64) -> impl Iterator<Item = usize> {
+pub(super) fn bits(mask: u64) -> impl Iterator<Item = usize> {
     let mut left = mask;
     core::iter::from_fn(move || {
         let bit = left.trailing_zeros() as usize;

@@ -73,6 +73,8 @@ impl Voxelizer<'_> {
                         Cover::Thin => crosshairs[at as usize].brick(cell),
                         Cover::Exact | Cover::Inflated => prisms[at as usize].brick(cell, open),
                     };
+                    let first = core::array::from_fn(|i| base[i] + i64::from(cell[i]));
+                    let marked = self.filled(list[at as usize], first, marked);
                     if marked != 0 {
                         mask |= marked;
                         marks.push((list[at as usize], marked));

@@ -84,6 +84,7 @@ fn file(
         metres_per_unit: 0.01,
         geometry: built.dag.dag().into(),
         voxel_materials,
+        colors: None,
         materials,
         names,
     };

@@ -2,6 +2,7 @@
 
 use voxdag::build::DagBuilder;
 use voxdag::camera::Camera;
+use voxdag::colors::{ColorMode, Colored, ColorsBuf};
 use voxdag::dag::{Dag, HEADER};
 use voxdag::file::{self, Parts, Scene};
 use voxdag::grid::{Bounds, UpAxis};
@@ -24,8 +25,8 @@ use crate::octree::{VoxelSet, count_voxels};
 
 /// Words are read as a scene; what is accepted is traced, counted, drawn, joined, and written again.
 ///
-/// Byte 0 chooses: 0, the rest are the words of a file; else (modulo 12) a file of ours is changed, small and large, in
-/// both layouts, with one material, a table, or ids by rank. A change takes a byte and a u16 for a place (modulo the length); by the byte (modulo 6):
+/// Byte 0 chooses: 0, the rest are the words of a file; else a file of ours is changed, small and large, in both
+/// layouts, with one material, a table, or ids by rank (modulo 12), or from 96 on (modulo 4) with colours. A change takes a byte and a u16 for a place (modulo the length); by the byte (modulo 6):
 /// 0 to 2 set, add, or xor a u32 that follows; 3 take out the word; 4 insert a u32; 5 copy the word at another u16 there. Then
 /// lengths and checksums are made right, as far as the section table makes sense, unless bit 7 of byte 0 is set.
 pub fn file(data: &[u8]) {
@@ -34,7 +35,7 @@ pub fn file(data: &[u8]) {
     let mut words = match choice & 127 {
         0 => bytes.0.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect(),
         template => {
-            let mut words = template_file(template % 12);
+            let mut words = template_file(if template < 96 { template % 12 } else { 12 + template % 4 });
             while !bytes.is_empty() && words.len() < 10_000 {
                 change(&mut words, &mut bytes);
             }
@@ -54,7 +55,7 @@ pub fn file(data: &[u8]) {
 fn template_file(number: u8) -> Vec<u32> {
     let (depth, rules) = match number {
         1 => (2, vec![Rule { mask: 0x81, octants: 0 }]),
-        2 | 6 | 8 => (4, vec![Rule { mask: 0x96, octants: 0x1001_0110 }, Rule { mask: 0x17, octants: 0 }]),
+        2 | 6 | 8 | 12.. => (4, vec![Rule { mask: 0x96, octants: 0x1001_0110 }, Rule { mask: 0x17, octants: 0 }]),
         3 | 11 => (1, vec![Rule { mask: 0x0f, octants: 0 }]),
         4 | 9 => (21, vec![Rule { mask: 0xff, octants: 0 }]),
         _ => (21, vec![Rule { mask: 0x69, octants: 0x0010_1000 }, Rule { mask: 0x55, octants: 0x0100_0010 }]),
@@ -71,7 +72,7 @@ fn template_file(number: u8) -> Vec<u32> {
     let (ssvdag, prefix) = (SsvdagBuf::build(&dag).unwrap(), Prefix::build(&dag).unwrap());
     let totals = Totals::build(&ssvdag.ssvdag()).unwrap();
     let (geometry, rank) = match number {
-        7 | 8 | 10 | 11 => {
+        7 | 8 | 10 | 11 | 13 | 15 => {
             let totals = Totals::new(ssvdag.ssvdag(), &totals).unwrap();
             (AnyGeometry::Ssvdag(ssvdag.ssvdag()), AnyRank::Totals(totals))
         }
@@ -81,6 +82,11 @@ fn template_file(number: u8) -> Vec<u32> {
     let mut ids = ids.into_words();
     let voxels = rank.count();
     (ids[2], ids[3]) = (voxels as u32, (voxels >> 32) as u32);
+    let mode = if number < 14 { ColorMode::Blocks } else { ColorMode::Raw };
+    // Alike but for a few, of which some do not matter.
+    let color = |i: u64| (i % 5 != 3).then(|| [i as u8, 200, if i > 100 { (i * i) as u8 } else { 7 }]);
+    let colors = (number >= 12).then(|| ColorsBuf::new(mode, (0..voxels).map(color)).unwrap());
+    let textured = Material { textured: colors.is_some(), ..Material::GREY };
     let parts = Parts {
         grid: Grid { origin: [0.5, -1.0, 2.0], voxel_size: 0.25, resolution: 1 << depth },
         bounds: Bounds { min: [0.5, -1.0, 2.0], max: [2.0, 2.0, 4.0] },
@@ -88,11 +94,12 @@ fn template_file(number: u8) -> Vec<u32> {
         metres_per_unit: 0.0,
         geometry,
         voxel_materials: match number {
-            0..=2 | 11 => AnyMaterials::Table(table.as_table()),
-            3..=5 | 7 => AnyMaterials::Single(Single(1)),
+            0..=2 | 11 | 12 => AnyMaterials::Table(table.as_table()),
+            3..=5 | 7 | 13 => AnyMaterials::Single(Single(1)),
             _ => AnyMaterials::Ranked(Ranked::new(rank, Packed::new(&ids).unwrap()).unwrap()),
         },
-        materials: &[Material::GREY; 2],
+        colors: colors.as_ref().map(|colors| Colored::new(rank, colors.as_colors()).unwrap()),
+        materials: &[Material::GREY, textured],
         names: &["grau", "wei\u{df}"],
     };
     parts.to_vec().expect("a good file")
@@ -204,6 +211,7 @@ fn use_all_of<G: Geometry>(scene: &Scene<'_>, geometry: G) {
         metres_per_unit: scene.metres_per_unit,
         geometry: scene.geometry,
         voxel_materials: scene.materials,
+        colors: scene.colors,
         materials: &palette,
         names: &names,
     };
@@ -263,7 +271,7 @@ fn trace_and_draw<G: Geometry>(scene: &Scene<'_>, geometry: G, palette: &[Materi
     }
     let camera = Camera::framing(&scene.bounds, scene.up);
     let lights = [Light { shadow: true, ..camera.headlight(scene.bounds.radius()) }];
-    let view = View { tracer, materials: scene.materials, palette, grid: scene.grid, camera, lights: &lights };
+    let view = View { tracer, materials: scene.looks(), palette, grid: scene.grid, camera, lights: &lights };
     // A box at the end of the range of numbers has no camera; any other makes a picture.
     let mut pixels = [0; 16];
     for supersample in [Supersample::near(geometry, &camera, 0.5), Supersample::Adaptive { degrees: 2.0 }] {

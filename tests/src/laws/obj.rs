@@ -46,6 +46,7 @@ pub(super) fn in_order(model: &Model, input: usize) {
         assert!(named.material.illum <= 10);
         if let Some(map) = &named.map_kd {
             assert!(!map.path.is_empty());
+            let map = map.placement;
             assert!(map.scale.iter().chain(&map.offset).chain(&[map.base, map.gain]).all(|x| x.is_finite()));
         }
     }

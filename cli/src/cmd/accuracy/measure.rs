@@ -21,7 +21,7 @@ use crate::error::{Error, Kind, Result};
 use crate::memory::Memory;
 use crate::metrics::{self, Errors};
 use crate::options::{ArithmeticArg, BuildArgs, CameraArgs, LightingArgs, NormalsArg, PictureArgs, SupersampleArg};
-use crate::picture::{self, Picture, Prepared, Rays, Shown};
+use crate::picture::{self, Extras, Picture, Prepared, Rays, Shown};
 use crate::progress::Progress;
 use crate::quality::Quality;
 use crate::scene::Source;
@@ -171,11 +171,14 @@ pub fn run<T: Truth>(subject: &Subject<'_, T>, settings: &[Setting], memory: &mu
             supersample: None,
             arithmetic: ArithmeticArg::default(),
             // What the mesh's own picture has.
-            effects: Effects::PHONG.union(Effects::SHADOWS),
+            effects: Some(Effects::PHONG.union(Effects::SHADOWS)),
+            lift: None,
             lod: 0,
         })
     };
-    let draw = |(shown, prepared): &(Shown<'_>, Prepared), quality| prepared.draw(shown, &args(quality), false, memory);
+    let draw = |(shown, prepared): &(Shown<'_>, Prepared), quality| {
+        prepared.draw(shown, &args(quality), Extras::default(), memory)
+    };
 
     progress.say("pictures".to_owned());
     let mut drawn: Vec<(Vec<f64>, Picture)> = Vec::new();

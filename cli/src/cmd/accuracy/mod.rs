@@ -19,7 +19,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use super::demo;
+use super::demo::{self, DemoScene};
 use crate::error::{Error, Result};
 use crate::input;
 use crate::memory::Memory;
@@ -131,7 +131,7 @@ fn write_all(args: &Args) -> Result<Report> {
             measure(args, &source, None, (&truth, "the closed form"), (&camera, &lighting), &mut memory)?
         }
         (Some(path), None) => {
-            let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, &mut memory)?;
+            let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, false, &mut memory)?;
             files.iter().try_for_each(|output| output.must_not_replace(&source.files))?;
             against_mesh(args, &source, path, (&camera, &lighting), &mut memory)?
         }
@@ -146,8 +146,8 @@ fn write_all(args: &Args) -> Result<Report> {
             for (path, text) in texts {
                 std::fs::write(&path, text).map_err(|cause| Error::write(&path, cause))?;
             }
-            let source = scene::import_file(&path, input::read_mesh(&path, &mut memory)?, &mut memory)?;
-            let usual = demo::view();
+            let source = scene::import_file(&path, input::read_mesh(&path, &mut memory)?, false, &mut memory)?;
+            let usual = demo::view(DemoScene::Hall);
             let (camera, lighting) = (camera.or(&usual.camera), lighting.or(&usual.lighting));
             against_mesh(args, &source, &path, (&camera, &lighting), &mut memory)?
         }

@@ -5,20 +5,23 @@
 
 mod accuracy;
 mod build;
+mod effects;
 mod materials;
 mod normals;
 mod packets;
 mod ranks;
 mod rays;
+mod textures;
 mod trace;
 
 use std::path::{Path, PathBuf};
 
-use clap::Subcommand;
+use clap::{Subcommand, ValueEnum};
 use serde::Serialize;
 use voxdag::{Geometry, Morton};
 use voxdag_oracle::rng::Rng;
 
+use super::demo::{self, DemoScene};
 use crate::error::{Error, Kind, Result};
 use crate::input::{self, Content};
 use crate::measure::Times;
@@ -57,12 +60,16 @@ enum Subject {
     Build(Run),
     /// Time and errors of the textbook methods beside the exact ones
     Accuracy(Run),
+    /// Size, loss and time of the colours of textures, in blocks and as they are
+    Textures(Run),
+    /// Time of a picture with each effect and without, by each kernel, and of its shadow rays alone
+    Effects(effects::Args),
 }
 
 /// What is measured, and how often.
 #[derive(clap::Args)]
 struct Run {
-    /// Wavefront OBJ file, or a scene from `voxdag build`
+    /// Wavefront OBJ file, a scene from `voxdag build`, or `hall` or `studio`, which come along
     #[arg(value_name = "MESH_OR_VXD")]
     input: PathBuf,
 
@@ -97,17 +104,31 @@ pub fn run(mut args: Args) -> Result<()> {
     | Subject::Materials(run)
     | Subject::Ranks(run)
     | Subject::Build(run)
-    | Subject::Accuracy(run)) = &mut args.subject;
+    | Subject::Accuracy(run)
+    | Subject::Textures(run)
+    | Subject::Effects(effects::Args { run, .. })) = &mut args.subject;
     run.build.check()?;
-    run.camera = View::read(&run.view)?.camera(&run.camera);
+    let view = View::read(&run.view)?;
+    run.camera = view.camera(&run.camera);
     let (input, pool) = (Input::read(run)?, run.machine().pool()?);
+    if let Input::Embedded(scene, _) = &input {
+        run.camera = run.camera.or(&demo::view(*scene).camera);
+    }
     pool.install(|| match &args.subject {
         Subject::Trace(args) => input.with_scene(&args.run, |scene| trace::run(args, scene)),
         Subject::Normals(run) => input.with_scene(run, |scene| normals::run(run, scene)),
         Subject::Materials(run) => input.with_scene(run, |scene| materials::run(run, scene)),
         Subject::Ranks(run) => input.with_scene(run, |scene| ranks::run(run, scene)),
         Subject::Build(run) => build::run(run, input.mesh(&run.input)?),
+        Subject::Textures(run) => textures::run(run, input.mesh(&run.input)?),
         Subject::Accuracy(run) => input.with_scene(run, |scene| accuracy::run(run, scene, input.mesh(&run.input).ok())),
+        Subject::Effects(args) => {
+            let mut lighting = view.lighting(&args.lighting);
+            if let Input::Embedded(scene, _) = &input {
+                lighting = lighting.or(&demo::view(*scene).lighting);
+            }
+            input.with_scene(&args.run, |scene| effects::run(args, scene, &lighting))
+        }
     })
 }
 
@@ -120,14 +141,25 @@ impl Run {
 /// The file to measure on.
 enum Input {
     Mesh(Box<Source>),
+    /// A scene that comes along, where there is no file of its name.
+    Embedded(DemoScene, Box<Source>),
     Scene(Vec<u32>),
 }
 
 impl Input {
     fn read(run: &Run) -> Result<Input> {
         let mut memory = run.machine().memory();
+        let embedded = run.input.to_str().and_then(|name| DemoScene::from_str(name, false).ok());
+        if let Some(scene) = embedded.filter(|_| !run.input.exists()) {
+            return Ok(Input::Embedded(scene, Box::new(demo::source(scene, &mut memory)?)));
+        }
         match input::read(&run.input, &mut memory)? {
-            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(&run.input, text, &mut memory)?))),
+            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(
+                &run.input,
+                text,
+                run.build.reads_textures(),
+                &mut memory,
+            )?))),
             Content::Scene(words) => {
                 run.build.must_be_absent(&run.input)?;
                 Ok(Input::Scene(words))
@@ -138,7 +170,7 @@ impl Input {
     /// The mesh, or an error that asks for one.
     fn mesh(&self, path: &Path) -> Result<&Source> {
         match self {
-            Input::Mesh(source) => Ok(source),
+            Input::Mesh(source) | Input::Embedded(_, source) => Ok(source),
             Input::Scene(_) => Err(Error::usage(format_args!("{}: is built already", path.display()))
                 .hint("name the mesh that it was built from")),
         }
@@ -147,7 +179,9 @@ impl Input {
     /// The scene, built first if need be.
     fn with_scene<T>(&self, run: &Run, use_scene: impl FnOnce(&Shown<'_>) -> Result<T>) -> Result<T> {
         match self {
-            Input::Mesh(source) => use_scene(&scene::build(source, &run.build, &mut run.machine().memory())?.shown()),
+            Input::Mesh(source) | Input::Embedded(_, source) => {
+                use_scene(&scene::build(source, &run.build, &mut run.machine().memory())?.shown())
+            }
             Input::Scene(words) => use_scene(&Shown::of(&scene::open(&run.input, words)?)),
         }
     }

@@ -10,7 +10,7 @@ use crate::error::Result;
 use crate::measure::Spread;
 use crate::memory::Memory;
 use crate::options::{NormalsArg, PictureArgs, SupersampleArg, supersample};
-use crate::picture::{self, Picture, Shown};
+use crate::picture::{self, Extras, Picture, Shown};
 use crate::stats::ms;
 
 /// A way to draw the scene.
@@ -146,7 +146,12 @@ pub fn run<'a>(
     let one = |configuration: &Configuration, mark| {
         let Configuration { layout, materials, normals, samples, supersample, .. } = *configuration;
         let args = PictureArgs { normals, samples: Some(samples), supersample, ..args.clone() };
-        picture::draw(&shown(layout, materials)?, &args, mark, memory)
+        picture::draw(
+            &shown(layout, materials)?,
+            &args,
+            Extras { mark_supersampled: mark, ..Extras::default() },
+            memory,
+        )
     };
 
     let mut times = vec![Vec::new(); configurations.len()];

@@ -21,7 +21,7 @@ use crate::layout::Layout;
 use crate::measure::{Arm, Spread, Times, measure};
 use crate::memory::Memory;
 use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs};
-use crate::picture::{self, Picture, Shown};
+use crate::picture::{self, Extras, Picture, Shown};
 use crate::scene::{self, Source, Voxels};
 use crate::stats::{self, ms};
 
@@ -113,6 +113,7 @@ pub fn run(
             up: UpAxis::Y,
             geometry: layout.geometry(),
             materials,
+            colors: None,
             palette: palette.clone(),
             lod: None,
         })
@@ -325,7 +326,7 @@ fn agree<'a>(
 ) -> Result<()> {
     let draw = |layout, materials, normals| -> Result<Vec<u32>> {
         let args = PictureArgs { normals, samples: Some(Samples::One), ..args.clone() };
-        Ok(picture::draw(&shown(layout, materials)?, &args, false, memory)?.pixels)
+        Ok(picture::draw(&shown(layout, materials)?, &args, Extras::default(), memory)?.pixels)
     };
     let (mut combinations, mut calculated, mut stored) = (0, BTreeSet::new(), BTreeSet::new());
     for layout in 0..LAYOUTS.len() {

@@ -142,7 +142,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
     let progress = Progress::stage("measuring", total);
     for (path, name) in args.meshes.iter().zip(names) {
         let mut memory = args.machine.memory();
-        let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, &mut memory)?;
+        let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, false, &mut memory)?;
         let mesh = source.model.mesh();
         let published = Published::of(name, mesh.triangles.len());
         let (triangles, materials) = (mesh.triangles.len() as f64, source.model.materials.len() as f64);
@@ -161,7 +161,8 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
             samples: None,
             supersample: None,
             arithmetic: ArithmeticArg::default(),
-            effects: Effects::PHONG,
+            effects: Some(Effects::PHONG),
+            lift: None,
             lod: 0,
         };
         for &resolution in &resolutions {

@@ -1,0 +1,153 @@
+//! Textures from files of every format to pixels; files that are missing or no pictures.
+
+mod common;
+use common::Sandbox;
+use image::{ImageFormat, Rgb, RgbImage};
+
+/// Pixels of the card along a side; it has 4 by 4 squares.
+const SIDE: u32 = 64;
+const SQUARE: &str = "\
+mtllib card.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 0
+vt 1 1
+vt 0 1
+usemtl card
+f 1/1 2/2 3/3 4/4
+";
+
+/// The colour of a square of the card, by column and row from the top.
+fn square(column: u32, row: u32) -> [u8; 3] {
+    [40 + 60 * column as u8, 40 + 60 * row as u8, if (column + row).is_multiple_of(2) { 30 } else { 220 }]
+}
+
+/// A folder with the square, and its picture under a name.
+fn sandbox(picture: &str, format: ImageFormat) -> Sandbox {
+    let s = Sandbox::new();
+    s.write("card.obj", SQUARE);
+    s.write("card.mtl", format!("newmtl card\nKa 1 1 1\nKd 1 1 1\nmap_Kd {picture}\n"));
+    let card = RgbImage::from_fn(SIDE, SIDE, |x, y| Rgb(square(x / 16, y / 16)));
+    card.save_with_format(s.path(picture), format).unwrap();
+    s
+}
+
+/// The pixels of the square, drawn from in front of it in nothing but ambient light.
+fn drawn(s: &Sandbox, scene: &str, flags: &str) -> RgbImage {
+    let view = "--eye 0.5,0.5,4 --target 0.5,0.5,0 --fov 14.25 --ambient 1 --samples 1 --normals face --light 0,0,-9";
+    s.ok(&format!("render {scene} -o picture.png --size {SIDE}x{SIDE} {view} {flags}"));
+    image::open(s.path("picture.png")).unwrap().to_rgb8()
+}
+
+/// Asserts that the picture is the card, upright, up to so many steps of a byte in the middle of its squares.
+fn assert_card(picture: &RgbImage, slack: u8, what: &str) {
+    for row in 0..4 {
+        for column in 0..4 {
+            let found = picture.get_pixel(16 * column + 8, 16 * row + 8).0;
+            let expected = square(column, row);
+            let near = (0..3).all(|i| found[i].abs_diff(expected[i]) <= slack);
+            assert!(near, "{what}: {found:?} in column {column}, row {row}: expected {expected:?}");
+        }
+    }
+}
+
+#[test]
+fn every_format_is_read_and_the_scene_needs_it_no_more() {
+    let formats = [
+        ("card.png", ImageFormat::Png, 1),
+        ("Card.BMP", ImageFormat::Bmp, 1),
+        ("my card.tga", ImageFormat::Tga, 1),
+        ("card.JPG", ImageFormat::Jpeg, 12),
+    ];
+    for (name, format, slack) in formats {
+        let s = sandbox(name, format);
+        assert_eq!(s.ok("build card.obj -o card.vxd -r 64").stderr.matches("warning").count(), 0, "{name}");
+        std::fs::remove_file(s.path(name)).unwrap();
+        std::fs::remove_file(s.path("card.mtl")).unwrap();
+        assert_card(&drawn(&s, "card.vxd", ""), slack.max(8), name);
+        let info = s.ok("info card.vxd").stdout;
+        assert!(info.contains("(textured)") && info.contains("blocks"), "{info}");
+    }
+}
+
+#[test]
+fn raw_colors_are_the_pictures_own_and_none_are_none() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    let raw = drawn(&s, "card.obj", "-r 64 --textures raw");
+    assert_card(&raw, 0, "raw");
+    assert_card(&drawn(&s, "card.obj", "-r 64 --textures raw --geometry ssvdag --materials ranked"), 0, "ssvdag");
+    assert_card(&drawn(&s, "card.obj", "-r 64"), 8, "blocks");
+    // At half as many voxels along a side, each pixel shows a voxel of the same square.
+    assert_card(&drawn(&s, "card.obj", "-r 64 --textures raw --lod 1"), 0, "lod");
+
+    // Without textures surfaces have their Kd, whatever leaves them away.
+    for flags in ["--textures none", "--effects phong", "--effects=-textures"] {
+        let plain = drawn(&s, "card.obj", &format!("-r 64 {flags}"));
+        assert_eq!(plain.get_pixel(8, 8).0, [255; 3], "{flags}");
+    }
+    s.ok("build card.obj -o none.vxd -r 64 --textures none");
+    s.write("card.mtl", "newmtl card\nKa 1 1 1\nKd 1 1 1\n");
+    s.ok("build card.obj -o plain.vxd -r 64");
+    assert_eq!(s.read("none.vxd"), s.read("plain.vxd"));
+
+    let json = s.ok("render card.obj -r 64 -o a.png --json --size 16x16").stdout;
+    assert!(!json.contains("\"textures\""), "{json}");
+}
+
+#[test]
+fn what_is_no_picture_is_grey_with_one_warning() {
+    let cases: [(&str, Option<&[u8]>, &str); 4] = [
+        ("lost.png", None, "texture \"lost.png\" is not there; what it would colour is drawn grey"),
+        ("text.png", Some(b"no picture"), "it is no picture that is known: expected PNG, JPEG, BMP or TGA"),
+        ("empty.png", Some(b""), "it is no picture that is known: expected PNG, JPEG, BMP or TGA"),
+        ("cut.png", Some(b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0"), "cannot be read: it is damaged"),
+    ];
+    for (name, content, expected) in cases {
+        let s = Sandbox::new();
+        s.write("two.obj", format!("{SQUARE}usemtl other\nf 1/1 3/3 4/4\n"));
+        let material = |name: &str, picture: &str| format!("newmtl {name}\nKa 1\nKd 1\nmap_Kd {picture}\n");
+        s.write("card.mtl", format!("{}{}", material("card", name), material("other", name)));
+        if let Some(content) = content {
+            s.write(name, content);
+        }
+        let run = s.ok("build two.obj -o two.vxd -r 16");
+        assert!(run.stderr.contains(&format!("card.mtl:4: texture \"{name}\"")), "{}", run.stderr);
+        assert!(run.stderr.contains(expected), "{}", run.stderr);
+        assert_eq!(run.stderr.matches("warning").count(), 1, "{}", run.stderr);
+        assert!(s.ok("info two.vxd").stdout.contains("colors           none"));
+    }
+
+    // Without coordinates there is nothing to lay it by; a Kd of 0 would make it black.
+    let s = sandbox("card.png", ImageFormat::Png);
+    s.write("card.obj", SQUARE.replace("vt", "#").replace("1/1 2/2 3/3 4/4", "1 2 3 4"));
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    assert!(run.stderr.contains("the faces have no texture coordinates (vt)"), "{}", run.stderr);
+    let s = sandbox("card.png", ImageFormat::Png);
+    s.write("card.mtl", "newmtl card\nKa 1\nKd 0\nmap_Kd card.png\n");
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    assert!(run.stderr.contains("card.mtl:4: Kd 0 0 0 would make texture \"card.png\" black"), "{}", run.stderr);
+}
+
+#[test]
+fn pictures_are_found_where_exporters_leave_them_and_kept_within_the_limit() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    std::fs::create_dir(s.path("sub")).unwrap();
+    std::fs::copy(s.path("card.png"), s.path("sub/card.png")).unwrap();
+    std::fs::rename(s.path("card.png"), s.path("other.png")).unwrap();
+    for path in ["sub\\card.png", "C:\\Users\\me\\other.png", "\"/home/me/old scenes/other.png\""] {
+        s.write("card.mtl", format!("newmtl card\nKa 1\nKd 1\nmap_Kd {path}\n"));
+        assert_card(&drawn(&s, "card.obj", "-r 64 --textures raw"), 0, path);
+    }
+    // Relative to a library in a folder of its own.
+    s.write("sub/card.mtl", "newmtl card\nKa 1\nKd 1\nmap_Kd card.png\n");
+    s.write("card.obj", SQUARE.replace("mtllib card.mtl", "mtllib sub/card.mtl"));
+    assert_card(&drawn(&s, "card.obj", "-r 64 --textures raw"), 0, "sub/card.mtl");
+
+    let run = s.run("build card.obj -o card.vxd -r 16 --memory-limit 50k");
+    assert!(run.code == 4 && run.stderr.contains("reading the textures of card.obj needs"), "{}", run.stderr);
+    assert!(run.stderr.contains("--textures none"), "{}", run.stderr);
+    s.ok("build card.obj -o card.vxd -r 16 --memory-limit 50k --textures none");
+}

@@ -1,0 +1,141 @@
+//! The pictures that materials name: found and laid on their materials.
+//!
+//! In: a model and a way to find pictures. Out: the textures of each material, and warnings. A picture that is missing or
+//! damaged is one warning, however many materials name it, and what it would colour is grey; a path is tried relative to
+//! its library, then to the OBJ, then as a name beside either, as absolute paths of another machine are.
+
+use alloc::borrow::ToOwned;
+use alloc::format;
+use alloc::string::String;
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+use std::collections::{HashMap, HashSet};
+
+use super::{Model, Warning};
+use crate::material::Material;
+use crate::mtl::TextureMap;
+use crate::text::quote;
+use crate::texture::{DecodeError, Image, Maps, Texture};
+
+/// Pictures by their paths; `None` for those that cannot be had.
+struct Pictures<F> {
+    find: F,
+    known: HashMap<String, Option<Arc<Image>>>,
+    /// Bytes that pictures may still take.
+    left: u64,
+}
+
+impl Model {
+    /// Reads the textures of the materials that triangles use, and marks materials with a colour of their own
+    /// [`textured`](Material::textured). `find` gives a picture by its path (with `/` between folders, relative to the OBJ)
+    /// in at most so many bytes, or `None` if there is no such file: [`decode`](crate::texture) with the feature
+    /// `images`. What is not as it should be becomes a warning.
+    ///
+    /// Err: the bytes that pictures take at least, if that is more than `limit`; then there are no textures.
+    pub fn load_textures(
+        &mut self,
+        find: impl FnMut(&str, u64) -> Option<Result<Image, DecodeError>>,
+        limit: u64,
+    ) -> Result<(), u64> {
+        let used: HashSet<u16> = self.triangle_materials.iter().copied().collect();
+        let mut pictures = Pictures { find, known: HashMap::new(), left: limit };
+        let has_uvs = !self.uvs.is_empty();
+        let mut textures = Vec::new();
+        for (id, named) in self.materials.iter_mut().enumerate() {
+            let mut maps = Maps::default();
+            let mut note = |map: &TextureMap, message| {
+                self.warnings.push(Warning { file: map.library.clone(), line: map.line, message });
+            };
+            let is_used = used.contains(&(id as u16));
+            if let Some(map) = named.map_kd.as_ref().filter(|_| is_used) {
+                let material = &mut named.material;
+                let found = pictures.texture(map, has_uvs, "what it would colour is drawn grey", &mut note);
+                maps.diffuse = match found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
+                    Found::Texture(texture) => {
+                        if material.diffuse == [0.0; 3] {
+                            let path = quote(&map.path);
+                            note(map, format!("Kd 0 0 0 would make texture {path} black; Kd 1 1 1 is used instead"));
+                            material.diffuse = [1.0; 3];
+                        }
+                        material.textured = true;
+                        Some(texture)
+                    }
+                    Found::Lost => {
+                        material.diffuse = Material::GREY.diffuse;
+                        None
+                    }
+                    Found::Useless => None,
+                };
+            }
+            if let Some(map) = named.map_d.as_ref().filter(|_| is_used) {
+                let found = pictures.texture(map, has_uvs, "nothing is cut out of its surfaces", &mut note);
+                if let Found::Texture(texture) = found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
+                    maps.dissolve = Some(texture);
+                }
+            }
+            textures.push(maps);
+        }
+        self.textures = textures;
+        Ok(())
+    }
+}
+
+/// What became of a texture.
+enum Found {
+    Texture(Texture),
+    /// Its picture cannot be had.
+    Lost,
+    /// There are no coordinates to draw it by.
+    Useless,
+}
+
+impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
+    /// The texture of a statement; a picture that cannot be had is noted once, with what comes of it. Err: the bytes that its
+    /// picture takes, if they are too many.
+    fn texture(
+        &mut self,
+        map: &TextureMap,
+        has_uvs: bool,
+        instead: &str,
+        note: &mut impl FnMut(&TextureMap, String),
+    ) -> Result<Found, u64> {
+        let picture = format!("texture {}", quote(&map.path));
+        if !has_uvs {
+            note(map, format!("{picture} is not used: the faces have no texture coordinates (vt)"));
+            return Ok(Found::Useless);
+        }
+        if !self.known.contains_key(&map.path) {
+            let image = match self.find(map) {
+                Ok(image) => {
+                    self.left = self.left.saturating_sub(image.bytes());
+                    Some(Arc::new(image))
+                }
+                Err(DecodeError::Limit { needed }) => return Err(needed),
+                Err(DecodeError::Picture(why)) => {
+                    note(map, format!("{picture} {why}; {instead}"));
+                    None
+                }
+            };
+            self.known.insert(map.path.clone(), image);
+        }
+        Ok(match &self.known[&map.path] {
+            Some(image) => Found::Texture(Texture::new(image.clone(), map.placement)),
+            None => Found::Lost,
+        })
+    }
+
+    /// Finds a picture, or says why it cannot.
+    fn find(&mut self, map: &TextureMap) -> Result<Image, DecodeError> {
+        let folder = map.library.rfind('/').map_or("", |end| &map.library[..=end]);
+        let name = map.path.rsplit('/').next().unwrap_or(&map.path);
+        let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
+        let found = places.iter().enumerate().find_map(|(i, place)| {
+            // The same place is not asked for twice.
+            if places[..i].contains(place) { None } else { (self.find)(place, self.left) }
+        });
+        found.ok_or_else(|| "is not there".to_owned())?.map_err(|error| match error {
+            DecodeError::Picture(why) => DecodeError::Picture(format!("cannot be read: {why}")),
+            over => over,
+        })
+    }
+}
