@@ -355,3 +355,12 @@ fn verify_holds_the_table_against_the_voxels() {
     s.run("verify more.vxd").fails(3, &["more.vxd", "3 voxels, but 4 entries"]);
     s.run("verify other.vxd").fails(3, &["other.vxd", "voxel (2, 0, 0) has no entry"]);
 }
+
+#[test]
+fn a_scene_without_a_page_to_show_it_says_how_to_make_one() {
+    let s = Sandbox::new();
+    s.ok("build box.obj -o box.vxd -r 8");
+    s.run("view box.obj --page . --no-open").fails(3, &["box.obj", "voxdag build"]);
+    s.run("view none.vxd --no-open").fails(3, &["none.vxd"]);
+    s.run("view box.vxd --page . --no-open").fails(1, &["there is no page", "cargo web build", "--page"]);
+}

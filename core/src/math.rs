@@ -48,8 +48,10 @@ pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 /// Scaled by the largest component first, so that neither tiny nor huge vectors under- or overflow.
 #[inline]
 pub fn normalize(a: [f64; 3]) -> Option<[f64; 3]> {
-    let largest = a[0].abs().max(a[1].abs()).max(a[2].abs());
-    // `max` drops NaN, so the components are asked one by one.
+    // Compared, not by `max`, which is a call of libm in wasm. A NaN may be dropped, so the components are asked one by one.
+    let size = a.map(f64::abs);
+    let larger = if size[0] < size[1] { size[1] } else { size[0] };
+    let largest = if larger < size[2] { size[2] } else { larger };
     if largest == 0.0 || !(a[0].is_finite() && a[1].is_finite() && a[2].is_finite()) {
         return None;
     }

@@ -118,7 +118,7 @@ test('every control changes the picture', async () => {
     assert.ok(!pictures.has(picture), `${action}`);
     pictures.add(picture);
   }
-  assert.ok(await page.getByLabel('Mirrors').isDisabled(), 'the demo has no mirrors');
+  assert.ok(await page.getByLabel('Mirrors').isHidden(), 'the demo has no mirrors');
   await context.close();
 });
 
@@ -136,6 +136,9 @@ test('what accuracy costs', async () => {
   await change(page, () => page.selectOption('[name=normals]', 'face'));
   await page.waitForFunction(() => document.querySelectorAll('#accuracy tbody tr').length >= 7);
   assert.equal(await page.locator('#accuracy .reference').count(), 1);
+  await page.locator('#more').click();
+  await page.waitForFunction(() => document.querySelectorAll('#accuracy tbody tr').length >= 12);
+  await page.getByText('Try more').waitFor();
   await page.locator('#accuracy').scrollIntoViewIfNeeded();
   await page.screenshot({ path: join(shots, 'accuracy.png') });
   await context.close();
@@ -173,6 +176,14 @@ test('a broken mesh says where, and the page lives on', async () => {
   assert.notEqual(await shown(page), picture);
   await change(page, () => drop(page, WALLS));
   assert.equal(await text(page, 'scene-name'), 'walls.obj');
+  await context.close();
+});
+
+test('a link to a scene that is not there says so, over the demo', async () => {
+  const { page, context } = await open(browser, `${site.url}#scene=nothing.vxd&${QUICK}`);
+  await rested(page);
+  assert.match(await text(page, 'error-text'), /nothing\.vxd: 404/);
+  assert.equal(await text(page, 'scene-name'), 'Demo scene');
   await context.close();
 });
 

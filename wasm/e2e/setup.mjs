@@ -32,10 +32,12 @@ export async function serve(program, ...args) {
   return { url, end: () => child.kill() };
 }
 
-export const launch = () => chromium.launch({
-  executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox'],
-});
+const program = { executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium', args: ['--no-sandbox'] };
+
+export const launch = () => chromium.launch(program);
+
+// A browser whose process is known.
+export const launchServer = () => chromium.launchServer(program);
 
 // A page, and what it complained about.
 export async function open(browser, url, options = {}) {

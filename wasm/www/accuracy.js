@@ -13,6 +13,12 @@ const NAMES = {
   face: 'faces', gradient: 'gradient', plane1: 'plane 3³', plane2: 'plane 5³', plane3: 'plane 7³', stored: 'stored',
   ernerfeldt1: 'Ernerfeldt 3³', ernerfeldt2: 'Ernerfeldt 5³',
 };
+// What a visitor may want to know of a view: normals by one ray, then rays by the default normals.
+export const QUALITIES = [
+  ...['face', 'gradient', 'plane1', 'plane2', 'plane3'].map((normals) => ({ normals, samples: 1, supersample: 'all' })),
+  { normals: 'plane2', samples: 4, supersample: 'all' },
+  ...['near', 'adaptive', 'all'].map((supersample) => ({ normals: 'plane2', samples: 16, supersample })),
+];
 // Pictures that are kept of a view.
 const MOST = 16;
 const SVG = 'http://www.w3.org/2000/svg';
@@ -46,11 +52,11 @@ export class Accuracy {
     const key = JSON.stringify([scene, camera, size, effects, sun, ambient]);
     if (key !== this.view.key) this.view = { key, pictures: new Map(), best: null };
     const { samples, supersample, scale } = pass;
-    const rays = scale > 1 ? `1/${scale} size` : `${samples} ${samples > 1 ? 'rays' : 'ray'}`;
-    const where = { all: '', near: ', near', adaptive: ', edges' }[supersample];
+    const rays = scale > 1 ? `1/${scale} size` : supersample !== 'all' ? samples : `${samples} ${samples > 1 ? 'rays' : 'ray'}`;
+    const where = { all: '', near: ' near', adaptive: ' at edges' }[supersample];
     const setting = `${resolution}³ ${NAMES[normals]} ${rays}${where}`;
     const rank = samples === 16 && supersample === 'all' ? resolution * 10 + NORMALS.indexOf(normals) : -1;
-    const picture = { setting, name: `${rays}${where}`, detail: `${resolution}³, ${NAMES[normals]}`, ms, rank, pixels, size: [width, height] };
+    const picture = { setting, name: `${rays}${where}`, detail: `${resolution}³ ${NAMES[normals]}`, ms, rank, pixels, size: [width, height] };
     const { pictures } = this.view;
     pictures.delete(setting);
     pictures.set(setting, picture);
@@ -88,7 +94,8 @@ export class Accuracy {
     note.textContent = points.length
       ? 'Error: RMSE in linear light against the picture of this view at rest with 16 rays (ring). The line joins the settings that nothing faster is nearer than.'
       : 'Each setting that is drawn becomes a point: its time per frame, and its error against the picture at rest with 16 rays.';
-    this.element.replaceChildren(plot(points, best), table(points, best), note);
+    const numbers = points.length ? [plot(points, best), table(points, best)] : [];
+    this.element.replaceChildren(...numbers, note);
   }
 }
 
@@ -126,15 +133,13 @@ function plot(points, best) {
   const x = (ms) => left + ((Math.log10(ms) - x0) / (x1 - x0)) * (width - left - right);
   const y = (error) => (error > 0 ? ground - 14 - ((Math.log10(error) - y0) / (y1 - y0)) * (ground - 14 - top) : ground);
   svg.append(make('path', { class: 'axis', d: `M${left} ${top}V${ground}H${width - right}` }));
-  if (points.length) {
-    for (const value of ticks(x0, x1)) {
-      svg.append(make('path', { class: 'grid', d: `M${x(value)} ${top}V${ground}` }));
-      svg.append(make('text', { x: x(value), y: ground + 12, 'text-anchor': 'middle' }, time(value)));
-    }
-    for (const value of ticks(y0, y1)) {
-      svg.append(make('path', { class: 'grid', d: `M${left} ${y(value)}H${width - right}` }));
-      svg.append(make('text', { x: left - 5, y: y(value) + 3, 'text-anchor': 'end' }, digits(value)));
-    }
+  for (const value of ticks(x0, x1)) {
+    svg.append(make('path', { class: 'grid', d: `M${x(value)} ${top}V${ground}` }));
+    svg.append(make('text', { x: x(value), y: ground + 12, 'text-anchor': 'middle' }, time(value)));
+  }
+  for (const value of ticks(y0, y1)) {
+    svg.append(make('path', { class: 'grid', d: `M${left} ${y(value)}H${width - right}` }));
+    svg.append(make('text', { x: left - 5, y: y(value) + 3, 'text-anchor': 'end' }, digits(value)));
   }
   svg.append(make('text', { class: 'label', x: (left + width - right) / 2, y: height - 3, 'text-anchor': 'middle' }, 'time per frame'));
   svg.append(make('text', { class: 'label', x: 0, y: 0, transform: `translate(9 ${(top + ground) / 2}) rotate(-90)`, 'text-anchor': 'middle' }, 'error'));
@@ -161,7 +166,6 @@ function ticks(from, to) {
 
 function table(points, best) {
   const element = document.createElement('table');
-  element.hidden = !points.length;
   element.createTHead().innerHTML = '<tr><th scope="col">Setting</th><th scope="col">Frame</th><th scope="col">Error</th></tr>';
   const body = element.createTBody();
   for (const point of points.sort((a, b) => a.ms - b.ms)) {

@@ -22,7 +22,6 @@ export function listen(canvas, { get, move, pick, target, home }) {
 
   canvas.addEventListener('pointerdown', (event) => {
     canvas.setPointerCapture(event.pointerId);
-    canvas.focus({ preventScroll: true });
     pointers.set(event.pointerId, [event.clientX, event.clientY]);
     const isPan = event.button > 0 || event.shiftKey;
     click = pointers.size === 1 ? { at: [event.clientX, event.clientY], isPan } : null;

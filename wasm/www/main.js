@@ -1,6 +1,6 @@
 // The page: a scene is built by a worker of its own, held by one worker per core, and drawn by all of them.
 
-import { Accuracy } from './accuracy.js';
+import { Accuracy, QUALITIES } from './accuracy.js';
 import { chosen, dropped, fetched, read, title } from './files.js';
 import { time } from './format.js';
 import { listen } from './input.js';
@@ -34,17 +34,18 @@ async function start() {
   picture = new Picture(canvas, pool, { onpass, onerror: failed });
   new ResizeObserver(() => update()).observe(stage);
   if (state.scene) await open({ url: state.scene });
-  if (!scene) await open({});
+  // What could not be opened is still said.
+  if (!scene) await open({}, true);
 }
 
 // Opens files, a URL or, of neither, the scene that comes along. The camera stays if it is the same scene again.
-async function open(source) {
+async function open(source, isFallback = false) {
   building?.abort(new Error('cancelled'));
   const control = (building = new AbortController());
   const isAgain = scene?.source === source;
   const { signal } = control;
   try {
-    hideError();
+    if (!isFallback) hideError();
     performance.mark('open');
     progress('Reading…');
     source.files ??= source.url && (await fetched(source.url));
@@ -155,6 +156,22 @@ function onpass(drawn) {
 }
 
 const statistics = () => scene && showStats($('stats'), { ...scene, frame, workers, memory });
+
+$('more').onclick = async () => {
+  const button = $('more');
+  button.disabled = true;
+  try {
+    await picture.compare(QUALITIES, async (drawn, share) => {
+      await accuracy.add(drawn);
+      button.textContent = `${Math.round(100 * share)} %`;
+    });
+  } catch (error) {
+    failed(error);
+  } finally {
+    button.textContent = 'Try more';
+    button.disabled = false;
+  }
+};
 
 // Pointers and keys.
 listen(canvas, {

@@ -37,12 +37,11 @@ export function show(form, state) {
   form.querySelector('#sun').hidden = state.light !== 'sun';
 }
 
-// What the scene has no use for cannot be chosen.
+// What the scene has no use for is not offered.
 export function offer(form, { effects, hasNormals, isBuilt }) {
   for (const box of form.elements.effects) {
     const isUseful = box.value === 'shadows' || effects.includes(box.value);
-    box.disabled = !isUseful;
-    box.closest('label').title = isUseful ? '' : 'No material of this scene calls for it';
+    box.closest('label').hidden = !isUseful;
   }
   form.querySelector('option[value=stored]').hidden = !hasNormals;
   for (const name of ['resolution', 'up']) form.elements[name].disabled = isBuilt;

@@ -79,6 +79,18 @@ export class Picture {
     }
   }
 
+  // Draws the view in other qualities, unseen, and tells `each` of it and of the share that is done; until something changes.
+  async compare(qualities, each) {
+    while (this.isRunning) await new Promise((resolve) => setTimeout(resolve, 50));
+    const { view, generation } = this;
+    for (const [i, { normals, ...pass }] of qualities.entries()) {
+      if (!view || generation !== this.generation) return;
+      const settings = { ...view.settings, show: 'shaded', normals };
+      const drawn = await this.draw({ ...view, settings }, { scale: 1, ...pass }, null);
+      if (drawn) await each(drawn, (i + 1) / qualities.length);
+    }
+  }
+
   // Waits until nothing has changed for a while, or something does.
   async rest(generation) {
     for (;;) {

@@ -10,7 +10,7 @@ use super::CHUNK;
 use super::enter::Rays;
 use super::walk::{End, Ends};
 use crate::morton::Morton;
-use crate::simd::{Level, dispatch};
+use crate::simd::{Level, dispatch, most};
 use crate::trace::exact::{HUGE, TINY};
 use crate::trace::ray::{ROUND, axes};
 use crate::trace::walk::FACES;
@@ -87,7 +87,7 @@ fn vector<S: Simd>(simd: S, rays: &Rays, ends: &Ends, size: i32, from: usize, fo
     // The plane that came last.
     let planes = axes(|i| p[i] + up[i].select(zero, one));
     let t = axes(|i| (planes[i] - o[i]) * load(&rays.inverse[i]));
-    let last = t[0].max(t[1]).max(t[2]);
+    let last = most(most(t[0], t[1]), t[2]);
     let close = axes(|i| !t[i].simd_lt(last - slack));
     let alone = (close[0] ^ close[1] ^ close[2]) & !(close[0] & close[1] & close[2]);
     let positive = close[0] & up[0] | !close[0] & (close[1] & up[1] | !close[1] & up[2]);

@@ -9,7 +9,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::walk::{End, Ends};
 use super::{CHUNK, LANES};
-use crate::simd::{Level, dispatch};
+use crate::simd::{Level, dispatch, least, most};
 use crate::trace::exact::{HUGE, TINY};
 use crate::trace::ray::{UNIT, axes};
 
@@ -175,21 +175,21 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     let far_out = o[0].abs() + o[1].abs() + o[2].abs();
     let speed = d[0].abs() + d[1].abs() + d[2].abs();
     let moving = axes(|i| still[i].select(infinity, d[i].abs()));
-    let slowest = moving[0].min(moving[1]).min(moving[2]);
-    let fastest = d[0].abs().max(d[1].abs()).max(d[2].abs());
+    let slowest = least(least(moving[0], moving[1]), moving[2]);
+    let fastest = most(most(d[0].abs(), d[1].abs()), d[2].abs());
     valid &= far_out.simd_le(HUGE) & speed.simd_le(HUGE) & slowest.simd_ge(TINY);
     let near = axes(|i| (up[i].select(zero, splat(size)) - o[i]) * inverse[i]);
     let far = axes(|i| (up[i].select(splat(size), zero) - o[i]) * inverse[i]);
-    let last_near = near[0].max(near[1]).max(near[2]);
-    let leave = far[0].min(far[1]).min(far[2]);
+    let last_near = most(most(near[0], near[1]), near[2]);
+    let leave = least(least(far[0], far[1]), far[2]);
     let begin = t_min.simd_eq(f64::NEG_INFINITY).select(zero, t_min.abs());
-    let longest = begin.max(last_near.abs()).max(leave.abs());
+    let longest = most(most(begin, last_near.abs()), leave.abs());
     valid &= longest.simd_ge(TINY) & longest.simd_le(HUGE);
     let slack = longest * UNIT;
     let error = (far_out + speed * longest + size) * UNIT;
 
     // The first voxel, and a time on the line in it.
-    let mut now = last_near.max(t_min);
+    let mut now = most(last_near, t_min);
     let mut missed = valid & now.simd_gt(leave + slack);
     let close = axes(|i| !near[i].simd_lt(last_near - slack));
     let outside = last_near.simd_gt(t_min + slack);
@@ -207,8 +207,8 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
         // The line is to pass the voxel that it starts in.
         let entry = axes(|i| (start[i] + up[i].select(zero, one) - o[i]) * inverse[i]);
         let exit = axes(|i| (start[i] + up[i].select(one, zero) - o[i]) * inverse[i]);
-        let t_in = entry[0].max(entry[1]).max(entry[2]);
-        let t_out = exit[0].min(exit[1]).min(exit[2]);
+        let t_in = most(most(entry[0], entry[1]), entry[2]);
+        let t_out = least(least(exit[0], exit[1]), exit[2]);
         begun &= (t_in + slack * 2.0).simd_lt(t_out);
         for i in 0..3 {
             begun &= start[i].simd_lt(size);
@@ -223,7 +223,7 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
         let crossed = close[i] & outside;
         clear &= crossed | (middle[i] - rounded).abs().simd_lt(splat(0.5) - error);
         let first = up[i].select(zero, splat(size - 1.0));
-        voxel[i] = crossed.select(first, rounded.max(zero).min(splat(size - 1.0)));
+        voxel[i] = crossed.select(first, least(most(rounded, zero), splat(size - 1.0)));
         voxel[i] = within.select(o[i].floor(), voxel[i]);
         if STARTED {
             voxel[i] = started.select(start[i], voxel[i]);
@@ -243,8 +243,8 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
     let error = error + f64::from_bits((1023 - 26) << 52);
     let bound = error * (steepest + 1.0) * 1.1 + f64::from_bits((1023 - 23) << 52);
     // No ray of the cube takes longer than this.
-    let most = ((t_max - now) * stretch).max(splat(-1e30)).min(splat(1e30));
-    let margin = most.abs() * (8.0 / 16_777_216.0) + bound;
+    let longest = least(most((t_max - now) * stretch, splat(-1e30)), splat(1e30));
+    let margin = longest.abs() * (8.0 / 16_777_216.0) + bound;
     let endless = t_max.simd_eq(f64::INFINITY);
     for i in 0..3 {
         inverse[i].store_slice(&mut rays.inverse[i][from..from + width]);
@@ -258,7 +258,7 @@ fn vector<S: Simd, const STARTED: bool>(simd: S, rays: &mut Rays, from: usize, s
         dir: axes(|i| d[i] * scale),
         inverse: axes(|i| inverse[i] * stretch),
         half: splat(0.5) - bound,
-        stop: endless.select(infinity, most - margin),
-        end: endless.select(infinity, most + margin),
+        stop: endless.select(infinity, longest - margin),
+        end: endless.select(infinity, longest + margin),
     }
 }

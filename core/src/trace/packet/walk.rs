@@ -12,7 +12,7 @@ use fearless_simd::{Simd, prelude::*};
 
 use super::enter::Walks;
 use super::{CHUNK, LANES};
-use crate::simd::{Level, dispatch};
+use crate::simd::{Level, dispatch, least, most};
 use crate::trace::ray::axes;
 
 /// How the walk of a ray ended.
@@ -258,8 +258,8 @@ impl<S: Simd> Packet<S> {
             let plane: S::f32s = planes[i].to_float();
             times[i] = ((plane - self.base[i]) - self.off[i]) * self.inverse[i];
         }
-        let others = [times[1].min(times[2]), times[2].min(times[0]), times[0].min(times[1])];
-        let now = times[0].min(others[0]);
+        let others = [least(times[1], times[2]), least(times[2], times[0]), least(times[0], times[1])];
+        let now = least(times[0], others[0]);
 
         // Cross the first one, and follow the ray on the other axes.
         let mut next = self.voxel;
@@ -273,7 +273,7 @@ impl<S: Simd> Packet<S> {
             next[i] = if EXACT {
                 // At a tie no axis is before the others, and those that tie are far from all middles.
                 let first = times[i].simd_lt(others[i]);
-                worst = first.select(worst, worst.max((place - middle).abs()));
+                worst = first.select(worst, most(worst, (place - middle).abs()));
                 first.select(crossed, there)
             } else {
                 // Stay in the box, whatever was rounded how.
