@@ -25,9 +25,10 @@ EOF
 program() {
     cat >"$work/src/lib.rs" <<EOF
 #![no_std]
+#![allow(unused_imports)]
 use voxdag::effects::Effects;
 use voxdag::normal::{Normal, NormalKind, normals};
-use voxdag::render::{Kernel, Settings, View, render_rows_by};
+use voxdag::render::{Kernel, Settings, View, render_rows, render_rows_by};
 use voxdag::simd::Level;
 use voxdag::trace::{Arithmetic, Hit, Query, Tile};
 use voxdag::{Dag, Tree};
@@ -53,7 +54,7 @@ pub fn fitted(level: Option<Level>, view: &View<'_, Tree<'_>, Dag<'_>>, hits: &[
 }
 $2
 pub fn draw(view: &View<'_, Tree<'_>, Dag<'_>>, settings: &Settings, out: &mut [u32]) -> u64 {
-    render_rows_by::<Named, _, _>(view, settings, 0..settings.height, out).map_or(0, |counters| counters.primary)
+    $3(view, settings, 0..settings.height, out).map_or(0, |counters| counters.primary)
 }
 #[panic_handler]
 fn panic(_: &core::panic::PanicInfo) -> ! {
@@ -69,7 +70,7 @@ measure() {
     text=$(size -A "$work/target/x86_64-unknown-linux-gnu/release/liblinked.so" | awk '$1 == ".text" { print $2 }')
     wasm=$(stat -c %s "$work/target/wasm32-unknown-unknown/release/linked.wasm")
 }
-program "" ""
+program "" "" "render_rows_by::<Named, _, _>"
 measure
 echo "no renderer: $text, wasm $wasm"
 for set in "" "SPECULAR" "SPECULAR EMISSION" "SPECULAR SHADOWS" "SPECULAR EMISSION SHADOWS" "SPECULAR MIRROR" \
@@ -77,7 +78,10 @@ for set in "" "SPECULAR" "SPECULAR EMISSION" "SPECULAR SHADOWS" "SPECULAR EMISSI
     "SPECULAR EMISSION SHADOWS MIRROR TRANSPARENCY" "SPECULAR EMISSION SHADOWS MIRROR TRANSPARENCY REFRACTION"; do
     union=
     for effect in $set; do union="$union.union(Effects::$effect)"; done
-    program "$union" "#[unsafe(no_mangle)]"
+    program "$union" "#[unsafe(no_mangle)]" "render_rows_by::<Named, _, _>"
     measure
     echo "${set:-none}: $text, wasm $wasm"
 done
+program "" "#[unsafe(no_mangle)]" render_rows
+measure
+echo "render_rows, which chooses: $text, wasm $wasm"

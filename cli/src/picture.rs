@@ -57,7 +57,7 @@ pub struct Picture {
 /// Time by effect, as far as it can be told apart, in ms of all threads.
 #[derive(Clone, Copy, Default, Serialize)]
 pub struct CostMs {
-    /// Finding out where rays to lights start, and following them.
+    /// Rays to lights, and finding out where they start; what comes through what is transparent.
     pub shadows: f64,
     /// Rays that mirrors and transparent surfaces send on, and the shading of what they meet without its shadows.
     pub secondary: f64,

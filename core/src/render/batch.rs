@@ -204,7 +204,8 @@ impl Batch {
         if shadows || settings.effects().intersects(LEAVING) {
             let start = K::now();
             self.rise(view, settings, shadows);
-            counters.shadow_time += kernel::since::<K>(start);
+            *(if shadows { &mut counters.shadow_time } else { &mut counters.secondary_time }) +=
+                kernel::since::<K>(start);
         }
         for light in view.lights {
             self.light(view, settings, light, counters);

@@ -101,7 +101,7 @@ impl Follow {
         counters: &mut Counters,
     ) -> &[[u32; 3]] {
         let Follow { batch, paths, waiting } = self;
-        let (start, shadow_time) = (K::now(), counters.shadow_time);
+        let (start, before) = (K::now(), *counters);
         for (i, (_, color, _)) in samples.shaded().enumerate() {
             waiting.colors[i] = color.map(color::quantize);
             let path = Path { sample: i as u8, ..Path::WHOLE };
@@ -134,7 +134,8 @@ impl Follow {
         let brightest = color::quantize(BRIGHTEST);
         let colors = &mut waiting.colors[..samples.len()];
         colors.as_flattened_mut().iter_mut().for_each(|channel| *channel = brightest.min(*channel));
-        counters.secondary_time += kernel::since::<K>(start).saturating_sub(counters.shadow_time - shadow_time);
+        let shadow_time = counters.shadow_time - before.shadow_time;
+        counters.secondary_time = before.secondary_time + kernel::since::<K>(start).saturating_sub(shadow_time);
         colors
     }
 }

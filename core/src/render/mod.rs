@@ -130,7 +130,8 @@ pub struct Counters {
     /// Time, by the kernel's clock ([`Kernel::now`]), that shadow rays took, with the short ones to where they start and those through
     /// what is transparent.
     pub shadow_time: u64,
-    /// Time that rays that go on took, with the shading of what they meet, but for the shadows there.
+    /// Time that rays that go on took, with those to where they start if there are no shadow rays, and with the shading of
+    /// what they meet, but for the shadows there.
     pub secondary_time: u64,
 }
 
@@ -154,14 +155,19 @@ impl core::ops::AddAssign for Counters {
 /// Fastest for a multiple of 4 rows. Takes about 80 KiB of stack, most of it for 256 samples on their way (some 150 KiB where
 /// the tracer takes many rays at once), another 150 KiB where rays go on from surfaces, and no heap.
 ///
-/// Draws by the kernel [`Full`]: narrower ones save code, but no time.
+/// Draws by the kernel [`Phong`] where that is enough, else by [`Full`]: other ones save code, but no time.
 pub fn render_rows<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,
     rows: Range<u32>,
     out: &mut [u32],
 ) -> Result<Counters, RenderError> {
-    render_rows_by::<Full, M, G>(view, settings, rows, out)
+    let effects = settings.effects.intersection(Effects::needed(view.palette, view.lights));
+    if Phong::EFFECTS.contains(effects) {
+        render_rows_by::<Phong, M, G>(view, settings, rows, out)
+    } else {
+        render_rows_by::<Full, M, G>(view, settings, rows, out)
+    }
 }
 
 /// The same by a kernel that is named, `render_rows_by::<Phong, _, _>(..)`: a program that names one links the code of that

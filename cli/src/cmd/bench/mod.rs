@@ -150,7 +150,7 @@ impl Input {
     fn read(run: &Run) -> Result<Input> {
         let mut memory = run.machine().memory();
         let embedded = run.input.to_str().and_then(|name| DemoScene::from_str(name, false).ok());
-        if let Some(scene) = embedded.filter(|_| !run.input.exists()) {
+        if let Some(scene) = embedded.filter(|_| !run.input.is_file()) {
             return Ok(Input::Embedded(scene, Box::new(demo::source(scene, &mut memory)?)));
         }
         match input::read(&run.input, &mut memory)? {
