@@ -109,6 +109,23 @@ test('errors say what is wrong and where', () => {
   assert.equal(viewer.renderRows(camera, settings(), 0, 8).length, 256);
 });
 
+test('textures are given as pixels', () => {
+  const build = (files) => {
+    const built = voxdag.build(files, 64, 'y', nothing);
+    return [new voxdag.Viewer(built.takeWords()), built.warnings.join('\n')];
+  };
+  const [grey, warned] = build(filesOf(WALLS));
+  assert.match(warned, /checks\.png.*not decoded/);
+  const files = filesOf(WALLS);
+  files.addPicture('checks.png', 2, 2, new Uint8Array([255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 255, 255, 255]));
+  const [textured, silent] = build(files);
+  assert.equal(silent, '');
+  const picture = (viewer) => hash(viewer.renderRows(viewer.camera, new voxdag.Settings(40, 30), 0, 30));
+  assert.notEqual(picture(textured), picture(grey));
+  files.addPicture('checks.png', 2, 2, new Uint8Array(3));
+  assert.match(build(files)[1], /0 pixels/);
+});
+
 test('a missing library is a warning', () => {
   const built = voxdag.build(filesOf({ 'walls.obj': WALLS['walls.obj'] }), 20, 'y', nothing);
   assert.match(built.warnings.join('\n'), /^walls\.obj:1: .*walls\.mtl/m);

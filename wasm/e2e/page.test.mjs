@@ -2,7 +2,8 @@
 
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { readFileSync, writeFileSync } from 'node:fs';
+import { mkdtempSync, readFileSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 import { WALLS, demoHash, drop, hashOfPng, launch, open, rested, serve, shots, shown, target } from './setup.mjs';
@@ -153,6 +154,18 @@ test('a mesh with its materials and a texture is dropped', async () => {
   await page.getByText('Material', { exact: true }).waitFor();
   assert.match(await text(page, 'pick'), /Voxel\s+\d+, \d+, \d+[\s\S]*Position[\s\S]*Normal\s+1\.000, 0\.000, 0\.000\s+Material\s+green/);
   await page.screenshot({ path: join(shots, 'walls.png') });
+  // The texture is there, and the same as native.
+  await page.keyboard.press('Escape');
+  assert.ok(await page.getByRole('checkbox', { name: 'Textures' }).isChecked());
+  const folder = mkdtempSync(join(tmpdir(), 'voxdag-e2e-'));
+  for (const [name, content] of Object.entries(WALLS)) writeFileSync(join(folder, name), content);
+  const native = join(folder, 'native.png');
+  execFileSync(join(target, 'release/voxdag'), ['render', join(folder, 'walls.obj'), '-o', native, '-r', '128', '--size', '320x240', '--samples', '1'], { stdio: 'pipe' });
+  assert.equal(await shown(page), hashOfPng(readFileSync(native)));
+  const textured = await shown(page);
+  await change(page, () => page.getByRole('checkbox', { name: 'Textures' }).uncheck());
+  assert.notEqual(await shown(page), textured);
+  await change(page, () => page.getByRole('checkbox', { name: 'Textures' }).check());
   // Without its library it is grey, and the page says so.
   await change(page, () => drop(page, { 'walls.obj': WALLS['walls.obj'] }));
   assert.match(await text(page, 'warnings'), /warning/);

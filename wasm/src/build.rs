@@ -22,6 +22,9 @@ extern "C" {
     fn call(this: &Progress, receiver: &JsValue, done: u32, total: u32);
 }
 
+/// Bytes that textures may take: a module has 4 GiB in all, and browsers on phones give less.
+const MOST_TEXTURES: u64 = 1 << 30;
+
 /// A scene that was built or read.
 #[wasm_bindgen]
 pub struct Built {
@@ -69,7 +72,9 @@ pub fn build(files: &Files, resolution: u32, up: &str, progress: &Progress) -> R
         other => return Err(error(format!("up axis {other:?}: expected \"y\" or \"z\""))),
     };
     let resolve = |path: &str| files.resolve(&name, path).map(<[u8]>::to_vec);
-    let model = obj::import(bytes, resolve).map_err(|why| error(place(&name, &why.0)))?;
+    let mut model = obj::import(bytes, resolve).map_err(|why| error(place(&name, &why.0)))?;
+    let over = |needed| error(format!("{name}: its textures take {needed} bytes, more than is to be had"));
+    model.load_textures(|path, left| files.picture(&name, path, left), MOST_TEXTURES).map_err(over)?;
     let words = voxels(&model, resolution, up, progress).map_err(|why| error(format!("{name}: {why}")))?;
     let warnings = model.warnings.iter().map(|warning| place(&name, warning)).collect();
     Ok(Built { words, triangles: Some(model.triangles.len() as u32), warnings })

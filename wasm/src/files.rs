@@ -6,6 +6,7 @@
 use std::collections::BTreeMap;
 
 use voxdag::demo;
+use voxdag::texture::{DecodeError, Image};
 use wasm_bindgen::prelude::*;
 
 use crate::error;
@@ -13,7 +14,14 @@ use crate::error;
 /// Files by name, `/` between folders.
 #[wasm_bindgen]
 #[derive(Default)]
-pub struct Files(BTreeMap<String, Vec<u8>>);
+pub struct Files(BTreeMap<String, Content>);
+
+/// What is in a file.
+enum Content {
+    Bytes(Vec<u8>),
+    /// A picture that was decoded: width, height and RGBA8. Browsers can do that; decoders would be a third of the module.
+    Picture([u32; 2], Vec<u8>),
+}
 
 #[wasm_bindgen]
 impl Files {
@@ -33,7 +41,14 @@ impl Files {
 
     /// Adds a file, or replaces the one of this name.
     pub fn add(&mut self, name: &str, bytes: Vec<u8>) {
-        self.0.insert(plain(name), bytes);
+        self.0.insert(plain(name), Content::Bytes(bytes));
+    }
+
+    /// Adds a picture for materials, decoded: its pixels from the upper left on, red, green, blue and alpha, as in
+    /// `context.getImageData(0, 0, width, height).data`.
+    #[wasm_bindgen(js_name = addPicture)]
+    pub fn add_picture(&mut self, name: &str, width: u32, height: u32, pixels: Vec<u8>) {
+        self.0.insert(plain(name), Content::Picture([width, height], pixels));
     }
 
     /// The name of the file that the others belong to: the one scene (`.vxd`), or else the largest mesh (`.obj`).
@@ -41,7 +56,7 @@ impl Files {
     pub fn main(&self) -> Result<String, JsError> {
         let largest = |extension: &str| {
             let of_kind = self.0.iter().filter(|(name, _)| name.to_ascii_lowercase().ends_with(extension));
-            of_kind.max_by_key(|(_, bytes)| bytes.len()).map(|(name, _)| name.clone())
+            of_kind.max_by_key(|(_, content)| content.bytes().len()).map(|(name, _)| name.clone())
         };
         largest(".vxd").or_else(|| largest(".obj")).ok_or_else(|| match self.0.keys().next() {
             Some(name) => error(format!("{name}: expected a mesh (.obj) among the files, or a scene (.vxd)")),
@@ -53,18 +68,49 @@ impl Files {
 impl Files {
     /// The bytes of a file.
     pub(crate) fn get(&self, name: &str) -> Option<&[u8]> {
-        self.0.get(name).map(Vec::as_slice)
+        self.0.get(name).map(Content::bytes)
+    }
+
+    /// The picture that `from` names by `path`, if it takes at most `left` bytes.
+    pub(crate) fn picture(&self, from: &str, path: &str, left: u64) -> Option<Result<Image, DecodeError>> {
+        Some(match self.find(from, path)? {
+            Content::Bytes(_) => Err(DecodeError::Picture("it was not decoded: browsers know PNG, JPEG, BMP".into())),
+            Content::Picture([width, height], pixels) => {
+                // As it is kept, and its halves.
+                let needed = 6 * u64::from(*width) * u64::from(*height);
+                if needed > left {
+                    return Some(Err(DecodeError::Limit { needed }));
+                }
+                let pixels = pixels.as_chunks::<4>().0.iter().map(|pixel| u32::from_le_bytes(*pixel)).collect();
+                Image::new(*width, *height, pixels).map_err(|why| DecodeError::Picture(why.to_string()))
+            }
+        })
     }
 
     /// The bytes of the file that `from` names by `path`.
     pub(crate) fn resolve(&self, from: &str, path: &str) -> Option<&[u8]> {
+        self.find(from, path).map(Content::bytes)
+    }
+
+    fn find(&self, from: &str, path: &str) -> Option<&Content> {
         let folder = from.rfind('/').map_or("", |end| &from[..=end]);
         let wanted = plain(&format!("{folder}{path}"));
         let last = last_part(&wanted);
-        let found = |is: &dyn Fn(&str) -> bool| self.0.iter().find(|(name, _)| is(name)).map(|(_, b)| b.as_slice());
-        self.get(&wanted)
+        let found = |is: &dyn Fn(&str) -> bool| self.0.iter().find(|(name, _)| is(name)).map(|(_, content)| content);
+        self.0
+            .get(&wanted)
             .or_else(|| found(&|name| name.eq_ignore_ascii_case(&wanted)))
             .or_else(|| found(&|name| last_part(name).eq_ignore_ascii_case(last)))
+    }
+}
+
+impl Content {
+    /// Those of a picture that was decoded are not known.
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Content::Bytes(bytes) => bytes,
+            Content::Picture(..) => &[],
+        }
     }
 }
 

@@ -41,7 +41,7 @@ export const title = (files) =>
 
 // Names and bytes, as a worker takes them.
 export async function read(files) {
-  const useful = files.filter(({ name }) => /\.(vxd|obj|mtl|png|jpe?g|bmp|gif|tga|tiff?|webp)$/i.test(name));
+  const useful = files.filter(({ name }) => /\.(vxd|obj|mtl|png|jpe?g|bmp|gif|tga|webp|avif)$/i.test(name));
   const list = useful.length ? useful : files;
   return Promise.all(list.map(async ({ name, file }) => ({ name, bytes: new Uint8Array(await file.arrayBuffer()) })));
 }

@@ -10,10 +10,11 @@ const jobs = {
   },
 
   // Files become the words of a scene. Progress is told as {progress: [done, total]}.
-  build({ files, resolution, up }) {
+  async build({ files, resolution, up }) {
     const start = performance.now();
     const all = files ? new Files() : Files.demo();
     for (const { name, bytes } of files ?? []) all.add(name, bytes);
+    for (const { name, bytes } of named(files ?? [])) await addPicture(all, name, bytes);
     files = undefined;
     const built = build(all, resolution, up, (done, total) => postMessage({ progress: [done, total] }));
     all.free();
@@ -75,9 +76,9 @@ const jobs = {
   memory: () => [wasm.memory.buffer.byteLength],
 };
 
-onmessage = ({ data: { id, job, ...input } }) => {
+onmessage = async ({ data: { id, job, ...input } }) => {
   try {
-    const [result, transfer] = jobs[job](input) ?? [];
+    const [result, transfer] = (await jobs[job](input)) ?? [];
     postMessage({ id, result }, transfer ?? []);
   } catch (error) {
     postMessage({ id, error: error.message, fatal: error instanceof WebAssembly.RuntimeError });
@@ -85,6 +86,26 @@ onmessage = ({ data: { id, job, ...input } }) => {
 };
 
 const plain = ({ eye, target, up, fov }) => ({ eye: [...eye], target: [...target], up: [...up], fov });
+
+// The pictures that materials may name.
+function named(files) {
+  const isLibrary = ({ name }) => /\.mtl$/i.test(name);
+  const text = files.filter(isLibrary).map(({ bytes }) => new TextDecoder().decode(bytes)).join('\n').toLowerCase();
+  const isNamed = ({ name }) => text.includes(name.split('/').pop().toLowerCase());
+  return files.filter((file) => /\.(png|jpe?g|bmp|gif|webp|avif)$/i.test(file.name) && isNamed(file));
+}
+
+// Lets the browser decode a picture; one that it cannot decode is left as it is, and becomes a warning.
+async function addPicture(files, name, bytes) {
+  const options = { premultiplyAlpha: 'none', colorSpaceConversion: 'none' };
+  const bitmap = await createImageBitmap(new Blob([bytes]), options).catch(() => null);
+  if (!bitmap) return;
+  const { width, height } = bitmap;
+  const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+  context.drawImage(bitmap, 0, 0);
+  bitmap.close();
+  files.addPicture(name, width, height, new Uint8Array(context.getImageData(0, 0, width, height).data.buffer));
+}
 
 // Lends the camera and the settings of a message to `use`.
 function withView({ eye, target, up, fov }, wanted, use) {
