@@ -142,9 +142,9 @@ pub struct PictureArgs {
     #[arg(long, value_name = "SET", value_parser = effects, verbatim_doc_comment, allow_hyphen_values = true)]
     pub effects: Option<Effects>,
 
-    /// How high above a surface rays to lights and mirrored ones start, in heights of its steps, if the way is free [default: 1]
+    /// How high above a surface rays to lights and mirrored ones start, in heights of its steps [default: 1]
     ///
-    /// 0 is on the surface, exact by voxel: thin shadows begin at once, and steps shade each other.
+    /// Where the way there is free. 0 is on the surface, exact by voxel: thin shadows begin at once, and steps shade each other.
     #[arg(long, value_name = "H", value_parser = lift, allow_hyphen_values = true)]
     pub lift: Option<f32>,
 
