@@ -106,6 +106,11 @@ fn obj() {
 }
 
 #[test]
+fn pictures() {
+    replay("pictures", 5000);
+}
+
+#[test]
 fn ranks() {
     replay("ranks", 1500);
 }
@@ -118,6 +123,11 @@ fn ssvdag() {
 #[test]
 fn table() {
     replay("table", 2000);
+}
+
+#[test]
+fn textures() {
+    replay("textures", 3000);
 }
 
 #[test]

@@ -9,9 +9,11 @@ mod materials;
 mod mtl;
 mod normals;
 mod obj;
+mod pictures;
 mod ranks;
 mod ssvdag;
 mod table;
+mod textures;
 mod traversal;
 mod tree;
 mod triangulation;
@@ -22,9 +24,11 @@ pub use materials::materials;
 pub use mtl::mtl;
 pub use normals::normals;
 pub use obj::obj;
+pub use pictures::pictures;
 pub use ranks::ranks;
 pub use ssvdag::{says_the_same, ssvdag};
 pub use table::table;
+pub use textures::textures;
 pub use traversal::traversal;
 pub use tree::tree;
 pub use triangulation::triangulation;
@@ -37,16 +41,18 @@ use voxdag::Morton;
 pub type Law = fn(&[u8]);
 
 /// Every law by the name of its fuzz target.
-pub const ALL: [(&str, Law); 12] = [
+pub const ALL: [(&str, Law); 14] = [
     ("dag_builder", dag_builder),
     ("file", file),
     ("materials", materials),
     ("mtl", mtl),
     ("normals", normals),
     ("obj", obj),
+    ("pictures", pictures),
     ("ranks", ranks),
     ("ssvdag", ssvdag),
     ("table", table),
+    ("textures", textures),
     ("traversal", traversal),
     ("tree", tree),
     ("triangulation", triangulation),

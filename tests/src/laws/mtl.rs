@@ -1,5 +1,6 @@
 //! The MTL importer: no library is refused, and every material is one that can be drawn.
 
+use voxdag::mtl::NamedMaterial;
 use voxdag::obj;
 
 /// Any bytes as the only library of a small OBJ: they lead to warnings at the most.
@@ -16,8 +17,9 @@ pub fn mtl(data: &[u8]) {
 
     // A material takes a line of eight bytes or more; warnings and names are no longer than what they speak of.
     assert!(8 * (model.materials.len() - 1) <= data.len() + 8, "{} materials", model.materials.len());
-    let texts: usize =
-        model.materials.iter().map(|m| m.name.len() + m.map_kd.as_ref().map_or(0, |map| map.path.len())).sum();
+    let paths =
+        |m: &NamedMaterial| [&m.map_kd, &m.map_d].into_iter().flatten().map(|map| map.path.len()).sum::<usize>();
+    let texts: usize = model.materials.iter().map(|m| m.name.len() + paths(m)).sum();
     // Latin-1 takes two bytes a character in UTF-8, and a damaged UTF-16 three.
     assert!(texts <= 3 + 3 * data.len(), "{texts} bytes of names");
 

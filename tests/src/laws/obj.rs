@@ -44,7 +44,7 @@ pub(super) fn in_order(model: &Model, input: usize) {
     for named in &model.materials {
         assert_eq!(named.material.checked(), Ok(named.material), "{}", named.name);
         assert!(named.material.illum <= 10);
-        if let Some(map) = &named.map_kd {
+        for map in [&named.map_kd, &named.map_d].into_iter().flatten() {
             assert!(!map.path.is_empty());
             let map = map.placement;
             assert!(map.scale.iter().chain(&map.offset).chain(&[map.base, map.gain]).all(|x| x.is_finite()));
