@@ -4,12 +4,14 @@ mod along;
 #[cfg(all(test, feature = "alloc"))]
 mod edge;
 mod exact;
+mod many;
 mod packet;
 mod ray;
 mod top;
 mod walk;
 
 pub use along::{Hits, Voxels};
+pub use many::Tile;
 pub use top::Top;
 #[cfg(feature = "alloc")]
 pub use top::TopBuf;
@@ -127,34 +129,6 @@ pub struct Tracer<'a, G = Dag<'a>> {
     level: Option<Level>,
 }
 
-/// Rays from one point through places of a plane: the pixels, or parts of pixels, of a picture.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub struct Tile<'a> {
-    /// Where all rays begin, in grid coordinates.
-    pub origin: [f64; 3],
-    /// The direction through place (0, 0), of any length.
-    pub corner: [f64; 3],
-    /// What one unit along x adds to it,
-    pub dx: [f64; 3],
-    /// and what one along y does.
-    pub dy: [f64; 3],
-    /// The places; neighbours are best near to each other.
-    pub places: &'a [[f64; 2]],
-}
-
-impl Tile<'_> {
-    /// The direction through a place.
-    #[inline]
-    pub fn direction(&self, place: [f64; 2]) -> [f64; 3] {
-        ray::axes(|i| self.along(i, place))
-    }
-
-    #[inline(always)]
-    fn along(&self, axis: usize, [x, y]: [f64; 2]) -> f64 {
-        (self.corner[axis] + self.dx[axis] * x) + self.dy[axis] * y
-    }
-}
-
 impl<'a, G: Geometry> Tracer<'a, G> {
     /// Traces the geometry as it is.
     pub fn new(geometry: G) -> Tracer<'a, G> {
@@ -230,75 +204,6 @@ impl<'a, G: Geometry> Tracer<'a, G> {
             (Arithmetic::Exact | Arithmetic::F32, false) => walk::occluded::<true, false, G>(self, query),
             (Arithmetic::F64, true) => walk::occluded::<false, true, G>(self, query),
             (Arithmetic::F64, false) => walk::occluded::<false, false, G>(self, query),
-        }
-    }
-
-    /// Traces every query; `hits[i]` becomes the answer to `queries[i]`, as far as both slices reach.
-    ///
-    /// ```
-    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
-    /// # let mut builder = DagBuilder::new(2).unwrap();
-    /// # builder.push(Morton(0), 1).unwrap();
-    /// # let built = builder.finish().unwrap();
-    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
-    /// let rays = [Query::new([0.5, 0.5, 9.0], [0.0, 0.0, -2.0]), Query::new([1.5, 0.5, 9.0], [0.0, 0.0, -2.0])];
-    /// let mut hits = [None; 2];
-    /// tracer.trace_many(Arithmetic::Exact, &rays, &mut hits);
-    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
-    /// ```
-    pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
-        match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(&queries, hits),
-            None => queries.iter().zip(hits).for_each(|(query, hit)| *hit = self.trace(arithmetic, query)),
-        }
-    }
-
-    /// Traces the rays of a tile; `hits[i]` becomes the answer to the ray through `places[i]`, as far as both slices
-    /// reach. The answers are those to [`Query::new`]; some hundred rays or more at a time are best.
-    ///
-    /// ```
-    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Tile, Tracer}};
-    /// # let mut builder = DagBuilder::new(2).unwrap();
-    /// # builder.push(Morton(0), 1).unwrap();
-    /// # let built = builder.finish().unwrap();
-    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
-    /// let places = [[0.5, 0.5], [1.5, 0.5]];
-    /// let (corner, dx, dy) = ([-0.5, -0.5, -2.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-    /// let tile = Tile { origin: [0.5, 0.5, 9.0], corner, dx, dy, places: &places };
-    /// let mut hits = [None; 2];
-    /// tracer.trace_tile(Arithmetic::Exact, &tile, &mut hits);
-    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
-    /// ```
-    pub fn trace_tile(&self, arithmetic: Arithmetic, tile: &Tile<'_>, hits: &mut [Option<Hit>]) {
-        match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(tile, hits),
-            None => tile.places.iter().zip(hits).for_each(|(place, hit)| {
-                *hit = self.trace(arithmetic, &Query::new(tile.origin, tile.direction(*place)));
-            }),
-        }
-    }
-
-    /// Whether every ray meets any filled voxel; `blocked[i]` becomes the answer to `queries[i]`, as far as both slices
-    /// reach.
-    ///
-    /// ```
-    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
-    /// # let mut builder = DagBuilder::new(2).unwrap();
-    /// # builder.push(Morton(0), 1).unwrap();
-    /// # let built = builder.finish().unwrap();
-    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
-    /// let rays = [Query::new([0.5, 0.5, 9.0], [0.0, 0.0, -2.0]), Query::new([1.5, 0.5, 9.0], [0.0, 0.0, -2.0])];
-    /// let mut blocked = [false; 2];
-    /// tracer.occluded_many(Arithmetic::Exact, &rays, &mut blocked);
-    /// assert_eq!(blocked, [true, false]);
-    /// ```
-    pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
-        match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.occluded(&queries, blocked),
-            None => {
-                let answers = queries.iter().map(|query| self.occluded(arithmetic, query));
-                blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
-            }
         }
     }
 
