@@ -4,7 +4,7 @@
 
 use voxdag::build::DagBuilder;
 use voxdag::simd::Level;
-use voxdag::trace::{Arithmetic, Hit, Query, Tile, Top, TopBuf, Tracer};
+use voxdag::trace::{Arithmetic, Columns, Hit, Query, Tile, Top, TopBuf, Tracer};
 use voxdag::wide::WideBuf;
 use voxdag::{Dag, Geometry, Morton};
 use voxdag_oracle::octree::VoxelSet;
@@ -143,6 +143,62 @@ fn streams_answer_as_rays_one_by_one() {
         }
     }
     assert!(hits > 10_000, "{hits} hits are too few to say anything");
+}
+
+#[test]
+fn columns_answer_as_the_same_rays_in_a_list() {
+    for seed in 0..12u64 {
+        let mut rng = Rng::new(200 + seed);
+        let depth = 3 + (seed % 6) as u8;
+        let set = clumps(depth, &mut rng);
+        let words = set.words(depth);
+        let dag = Dag::new(&words).unwrap();
+        let wide = WideBuf::new(&dag, usize::MAX).unwrap();
+        let top = TopBuf::new(&wide.as_wide(), Top::bits_for_packets(&wide.as_wide(), 4)).unwrap();
+        let bounded = seed % 2 == 0;
+        let plain = |query: Query| Query { t_max: query.t_max, ..Query::new(query.origin, query.dir) };
+        let mut queries: Vec<_> = rays(depth, set.codes(), &mut rng).into_iter().map(plain).collect();
+        if !bounded {
+            queries.iter_mut().for_each(|query| query.t_max = f64::INFINITY);
+        }
+        let column = |of: &dyn Fn(&Query) -> f64| queries.iter().map(of).collect::<Vec<_>>();
+        let origin: [_; 3] = core::array::from_fn(|i| column(&|query| query.origin[i]));
+        let dir: [_; 3] = core::array::from_fn(|i| column(&|query| query.dir[i]));
+        let t_max = column(&|query| query.t_max);
+        let mut all = Columns {
+            origin: origin.each_ref().map(|column| &column[..]),
+            dir: dir.each_ref().map(|column| &column[..]),
+            t_max: bounded.then_some(&t_max),
+        };
+        // The shortest column says how many rays there are; what lies behind it is left alone.
+        let short = queries.len() - 1 - seed as usize;
+        all.dir[seed as usize % 3] = &dir[seed as usize % 3][..short];
+        assert_eq!(all.len(), short);
+        let one_by_one = Tracer::new(dag);
+        let packets = Tracer::with_top(wide.as_wide(), top.as_top()).unwrap();
+        let expected: Vec<_> = queries.iter().map(|query| one_by_one.trace(Arithmetic::Exact, query)).collect();
+        let check = |what: &str, hits: &[Option<Hit>], blocked: &[bool]| {
+            for i in 0..short {
+                assert_eq!(hits[i], expected[i], "seed {seed}, {what}, ray {i}: {:?}", queries[i]);
+                assert_eq!(blocked[i], expected[i].is_some(), "seed {seed}, {what}, ray {i}: {:?}", queries[i]);
+            }
+            assert!(
+                hits[short..].iter().all(Option::is_none) && !blocked[short..].contains(&true),
+                "seed {seed}, {what}"
+            );
+        };
+        let (mut hits, mut blocked) = (vec![None; queries.len()], vec![false; queries.len()]);
+        one_by_one.trace_columns(Arithmetic::Exact, &all, &mut hits);
+        one_by_one.occluded_columns(Arithmetic::Exact, &all, &mut blocked);
+        check("alone", &hits, &blocked);
+        for level in Level::all() {
+            let (mut hits, mut blocked) = (vec![None; queries.len()], vec![false; queries.len()]);
+            let packets = packets.with_level(Some(level));
+            packets.trace_columns(Arithmetic::Exact, &all, &mut hits);
+            packets.occluded_columns(Arithmetic::Exact, &all, &mut blocked);
+            check(level.name(), &hits, &blocked);
+        }
+    }
 }
 
 #[test]

@@ -34,6 +34,37 @@ impl Tile<'_> {
     }
 }
 
+/// Rays as columns, entry `i` of each for ray `i`; there are as many as the shortest column is long. The other fields of
+/// their queries are those of [`Query::new`].
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Columns<'a> {
+    /// Where the rays begin: x, y and z in grid coordinates.
+    pub origin: [&'a [f64]; 3],
+    /// Their directions, of any length.
+    pub dir: [&'a [f64]; 3],
+    /// Where they end, in units of the direction; `None` if nowhere.
+    pub t_max: Option<&'a [f64]>,
+}
+
+impl Columns<'_> {
+    /// How many rays there are.
+    pub fn len(&self) -> usize {
+        let columns = self.origin.iter().chain(&self.dir).chain(&self.t_max);
+        columns.map(|column| column.len()).min().unwrap_or(0)
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Ray `i`; it must be there.
+    pub(super) fn query(&self, i: usize) -> Query {
+        let t_max = self.t_max.map_or(f64::INFINITY, |column| column[i]);
+        Query { t_max, ..Query::new(self.origin.map(|column| column[i]), self.dir.map(|column| column[i])) }
+    }
+}
+
 impl<G: Geometry> Tracer<'_, G> {
     /// Traces every query; `hits[i]` becomes the answer to `queries[i]`, as far as both slices reach.
     ///
@@ -80,6 +111,27 @@ impl<G: Geometry> Tracer<'_, G> {
         }
     }
 
+    /// Traces rays that come as columns; `hits[i]` becomes the answer to ray `i`, as far as all slices reach.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Columns, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let (zero, half) = ([0.0; 2], [0.5; 2]);
+    /// let rays = Columns { origin: [&[0.5, 1.5], &half, &[9.0; 2]], dir: [&zero, &zero, &[-2.0; 2]], t_max: None };
+    /// let mut hits = [None; 2];
+    /// tracer.trace_columns(Arithmetic::Exact, &rays, &mut hits);
+    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
+    /// ```
+    pub fn trace_columns(&self, arithmetic: Arithmetic, rays: &Columns<'_>, hits: &mut [Option<Hit>]) {
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => packets.trace(rays, hits),
+            None => (0..rays.len()).zip(hits).for_each(|(i, hit)| *hit = self.trace(arithmetic, &rays.query(i))),
+        }
+    }
+
     /// Whether every ray meets any filled voxel; `blocked[i]` becomes the answer to `queries[i]`, as far as both slices
     /// reach.
     ///
@@ -99,6 +151,17 @@ impl<G: Geometry> Tracer<'_, G> {
             Some(packets) => packets.occluded(&queries, blocked),
             None => {
                 let answers = queries.iter().map(|query| self.occluded(arithmetic, query));
+                blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
+            }
+        }
+    }
+
+    /// The same for rays that come as columns.
+    pub fn occluded_columns(&self, arithmetic: Arithmetic, rays: &Columns<'_>, blocked: &mut [bool]) {
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => packets.occluded(rays, blocked),
+            None => {
+                let answers = (0..rays.len()).map(|i| self.occluded(arithmetic, &rays.query(i)));
                 blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
             }
         }

@@ -11,7 +11,7 @@ mod top;
 mod walk;
 
 pub use along::{Hits, Voxels};
-pub use many::Tile;
+pub use many::{Columns, Tile};
 pub use top::Top;
 #[cfg(feature = "alloc")]
 pub use top::TopBuf;

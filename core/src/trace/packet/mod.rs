@@ -17,7 +17,7 @@ mod enter;
 mod walk;
 
 use super::ray::{Ray, axes};
-use super::{Arithmetic, Hit, Query, Steps, Tile, Tracer, walk as scalar};
+use super::{Arithmetic, Columns, Hit, Query, Steps, Tile, Tracer, walk as scalar};
 use crate::geometry::Geometry;
 use crate::simd::Level;
 use arrive::Found;
@@ -189,5 +189,29 @@ impl Source for Tile<'_> {
 
     fn query(&self, number: usize) -> Query {
         Query::new(self.origin, self.direction(self.places[number]))
+    }
+}
+
+impl Source for Columns<'_> {
+    fn len(&self) -> usize {
+        Columns::len(self)
+    }
+
+    #[inline]
+    fn fill(&self, from: usize, rays: &mut Rays) {
+        let count = rays.len.min(CHUNK);
+        (rays.started, rays.bounded) = (false, self.t_max.is_some());
+        for i in 0..3 {
+            rays.origin[i][..count].copy_from_slice(&self.origin[i][from..][..count]);
+            rays.dir[i][..count].copy_from_slice(&self.dir[i][from..][..count]);
+        }
+        (rays.t_min, rays.t_max) = ([0.0; CHUNK], [f64::INFINITY; CHUNK]);
+        if let Some(ends) = self.t_max {
+            rays.t_max[..count].copy_from_slice(&ends[from..][..count]);
+        }
+    }
+
+    fn query(&self, number: usize) -> Query {
+        Columns::query(self, number)
     }
 }
