@@ -19,8 +19,8 @@ export const QUALITIES = [
   { normals: 'plane2', samples: 4, supersample: 'all' },
   ...['near', 'adaptive', 'all'].map((supersample) => ({ normals: 'plane2', samples: 16, supersample })),
 ];
-// Pictures that are kept of a view.
-const MOST = 16;
+// Bytes of pictures that are kept of a view, beside its reference.
+const MOST = 128 << 20;
 const SVG = 'http://www.w3.org/2000/svg';
 
 // Those that nothing faster is nearer than.
@@ -60,9 +60,12 @@ export class Accuracy {
     const { pictures } = this.view;
     pictures.delete(setting);
     pictures.set(setting, picture);
-    if (pictures.size > MOST) {
-      const oldest = [...pictures.values()].find((each) => each.setting !== this.view.best?.setting);
-      pictures.delete(oldest.setting);
+    let kept = [...pictures.values()].reduce((sum, each) => sum + each.pixels.length, 0);
+    for (const each of pictures.values()) {
+      if (kept <= MOST) break;
+      if (each === picture || each === this.view.best) continue;
+      pictures.delete(each.setting);
+      kept -= each.pixels.length;
     }
     if (rank >= 0 && rank >= (this.view.best?.rank ?? 0)) {
       this.view.best = picture;
@@ -74,15 +77,16 @@ export class Accuracy {
 
   // Measures pictures against the reference of their view.
   async compare(pictures, size) {
-    const { view } = this;
+    // Those of now: another scene may have come before all are measured.
+    const { view, points } = this;
     const reference = words(view.best.pixels);
     for (const picture of pictures) {
       const shown = words(picture.size[0] === size[0] ? picture.pixels : enlarged(picture, size));
       const error = picture === view.best ? 0 : await this.pool.run({ job: 'rmse', reference, picture: shown }, { kept: true });
       const { setting, name, detail, ms } = picture;
-      this.points.set(setting, { setting, name, detail, ms, error, isReference: picture === view.best });
+      points.set(setting, { setting, name, detail, ms, error, isReference: picture === view.best });
     }
-    for (const point of this.points.values()) point.isReference &&= point.setting === view.best.setting;
+    for (const point of points.values()) point.isReference &&= point.setting === view.best.setting;
     this.draw();
   }
 
