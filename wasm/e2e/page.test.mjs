@@ -93,6 +93,19 @@ test('dragging, wheel and keys move the camera', async () => {
   await context.close();
 });
 
+test('the menu takes keys alone', async () => {
+  const { page, context } = await visit(QUICK);
+  await rested(page);
+  const menu = page.getByText('Save', { exact: true });
+  await menu.press('Enter');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'save-png');
+  await page.keyboard.press('Escape');
+  assert.ok(await page.locator('#save-png').isHidden());
+  assert.ok(await menu.evaluate((summary) => summary === document.activeElement));
+  await context.close();
+});
+
 test('every control changes the picture', async () => {
   const { page, context } = await visit(QUICK);
   await rested(page);

@@ -123,7 +123,7 @@ function make(name, attributes, ...children) {
 
 // Milliseconds to the right, errors upwards, both by decades; the reference stands on the ground.
 function plot(points, best) {
-  const [width, height, left, right, top, bottom] = [300, 176, 40, 12, 10, 30];
+  const [width, height, left, right, top, bottom] = [300, 176, 48, 12, 10, 30];
   const svg = make('svg', { viewBox: `0 0 ${width} ${height}`, role: 'img',
     'aria-label': `Milliseconds per frame and error of ${points.length} settings; the table has the numbers` });
   const span = (values, least) => {

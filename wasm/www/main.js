@@ -317,7 +317,10 @@ addEventListener('keydown', ({ key }) => {
   if (key !== 'Escape') return;
   $('pick').hidden = $('mark').hidden = true;
   hideError();
-  for (const menu of document.querySelectorAll('.menu[open]')) menu.open = false;
+  for (const menu of document.querySelectorAll('.menu[open]')) {
+    menu.open = false;
+    menu.querySelector('summary').focus();
+  }
 });
 // A link that is pasted into this very page.
 addEventListener('hashchange', () => location.reload());
@@ -334,7 +337,8 @@ function progress(text, share) {
 function failed(error, heading = 'Something went wrong') {
   const { message, fatal } = error;
   $('error-title').textContent = heading;
-  $('error-text').textContent = fatal ? `The module stopped (${message}): it may have run out of memory. Try a smaller resolution.` : message;
+  const text = fatal ? `The module stopped (${message}): it may have run out of memory` : message;
+  $('error-text').textContent = text.includes('out of memory') ? `${text}. Try a smaller resolution.` : text;
   $('error').hidden = false;
 }
 
