@@ -137,11 +137,11 @@ function plot(points, best) {
   const x = (ms) => left + ((Math.log10(ms) - x0) / (x1 - x0)) * (width - left - right);
   const y = (error) => (error > 0 ? ground - 14 - ((Math.log10(error) - y0) / (y1 - y0)) * (ground - 14 - top) : ground);
   svg.append(make('path', { class: 'axis', d: `M${left} ${top}V${ground}H${width - right}` }));
-  for (const value of ticks(x0, x1)) {
+  for (const value of ticks(x0, x1, 4)) {
     svg.append(make('path', { class: 'grid', d: `M${x(value)} ${top}V${ground}` }));
     svg.append(make('text', { x: x(value), y: ground + 12, 'text-anchor': 'middle' }, time(value)));
   }
-  for (const value of ticks(y0, y1)) {
+  for (const value of ticks(y0, y1, 5)) {
     svg.append(make('path', { class: 'grid', d: `M${left} ${y(value)}H${width - right}` }));
     svg.append(make('text', { x: left - 5, y: y(value) + 3, 'text-anchor': 'end' }, digits(value)));
   }
@@ -157,14 +157,14 @@ function plot(points, best) {
   return svg;
 }
 
-// Round values in a range of decades, few enough to be read.
-function ticks(from, to) {
+// Round values in a range of decades, at most so many.
+function ticks(from, to, most) {
   for (const steps of [[1, 2, 5], [1, 3], [1]]) {
     const found = [];
     for (let decade = Math.floor(from); decade <= to; decade++) {
       found.push(...steps.map((step) => step * 10 ** decade).filter((v) => Math.log10(v) > from && Math.log10(v) < to));
     }
-    if (found.length <= 5 || steps.length === 1) return found;
+    if (found.length <= most || steps.length === 1) return found;
   }
 }
 
