@@ -93,6 +93,19 @@ test('dragging, wheel and keys move the camera', async () => {
   await context.close();
 });
 
+test('the menu takes keys alone', async () => {
+  const { page, context } = await visit(QUICK);
+  await rested(page);
+  const menu = page.getByText('Save', { exact: true });
+  await menu.press('Enter');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.id), 'save-png');
+  await page.keyboard.press('Escape');
+  assert.ok(await page.locator('#save-png').isHidden());
+  assert.ok(await menu.evaluate((summary) => summary === document.activeElement));
+  await context.close();
+});
+
 test('every control changes the picture', async () => {
   const { page, context } = await visit(QUICK);
   await rested(page);
@@ -208,6 +221,98 @@ test('building can be cancelled', async () => {
   await page.locator('#progress').waitFor({ state: 'hidden' });
   assert.equal(await page.inputValue('[name=resolution]'), '128');
   await change(page, () => drag(page, [40, 0]));
+  await context.close();
+});
+
+test('cancelling leaves the settings of the scene that is shown', async () => {
+  const { page, context } = await visit(QUICK);
+  await rested(page);
+  await page.selectOption('[name=resolution]', '4096');
+  await page.selectOption('[name=up]', 'z');
+  await page.locator('#cancel').click();
+  await page.locator('#progress').waitFor({ state: 'hidden' });
+  assert.deepEqual([await page.inputValue('[name=resolution]'), await page.inputValue('[name=up]')], ['128', 'y']);
+  await context.close();
+});
+
+test('of files opened one upon the other the last is shown', async () => {
+  const { page, context } = await visit(QUICK);
+  await change(page, () => drop(page, WALLS));
+  const picture = await shown(page);
+  for (let i = 0; i < 3; i++) await drop(page, i === 1 ? { 'other.obj': 'v 0 0 0\nv 3 0 0\nv 0 1 2\nf 1 2 3\n' } : WALLS);
+  await page.locator('#progress').waitFor({ state: 'hidden' });
+  await rested(page);
+  assert.equal(await text(page, 'scene-name'), 'walls.obj');
+  assert.match(await text(page, 'stats'), /Triangles\s+4/);
+  assert.equal(await shown(page), picture);
+  await context.close();
+});
+
+test('the name is that of the mesh that was built', async () => {
+  const { page, context } = await visit(QUICK);
+  await change(page, () => drop(page, { 'a.obj': 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n', ...WALLS }));
+  assert.match(await text(page, 'stats'), /Triangles\s+4/);
+  assert.equal(await text(page, 'scene-name'), 'walls.obj');
+  await context.close();
+});
+
+test('what makes no sense in a link is left out', async () => {
+  const here = 'eye=0,0,0&target=0,0,0&view-up=0,1,0&fov=60';
+  const nonsense = [
+    'up=x', 'light=x', 'effects=x', 'show=x', 'normals=plane9', 'azimuth=1e999', 'elevation=', 'ambient=-1', 'rest=x', 'rest=7',
+    'rest=16-x', 'size=0x0', 'size=99999x99999', 'resolution=0', 'resolution=-5', 'resolution=1.5', 'resolution=1e9', '=', '%',
+    here, here.replace('eye=0', 'eye=1e300'), here.replace('eye=0', 'eye=x'), here.replace('eye=0', 'eye=5').replace('fov=60', 'fov=180'),
+  ];
+  const { page, context, complaints: said } = await open(browser, `${site.url}?workers=-1#${nonsense.join('&')}`);
+  complaints.push(said);
+  const states = await page.evaluate(async (hashes) => {
+    const { fromHash } = await import('./state.js');
+    return hashes.map(fromHash);
+  }, ['', ...nonsense]);
+  for (const [i, state] of states.slice(1).entries()) assert.deepEqual(state, states[0], nonsense[i]);
+  await page.waitForSelector('#picture[data-pass]');
+  assert.ok(await page.locator('#error').isHidden());
+  assert.equal(await page.inputValue('[name=resolution]'), '1024');
+  await context.close();
+});
+
+test('a resolution that is chosen while a file is opened is meant for it', async () => {
+  const { page, context } = await visit(QUICK);
+  await change(page, async () => {
+    await page.evaluate(() => new MutationObserver((_, observer) => {
+      observer.disconnect();
+      const { resolution } = document.forms.settings.elements;
+      resolution.value = '64';
+      resolution.dispatchEvent(new Event('input', { bubbles: true }));
+    }).observe(document.getElementById('progress'), { attributes: true }));
+    await drop(page, WALLS);
+  });
+  assert.equal(await text(page, 'scene-name'), 'walls.obj');
+  assert.match(await text(page, 'stats'), /Resolution\s+64/);
+  await context.close();
+});
+
+test('a file has a resolution and an up axis, which the next mesh does not take over', async () => {
+  const [mesh, file] = ['walls.obj', 'walls.vxd'].map((name) => join(mkdtempSync(join(tmpdir(), 'voxdag-e2e-')), name));
+  writeFileSync(mesh, WALLS['walls.obj']);
+  execFileSync(join(target, 'release/voxdag'), ['build', mesh, '-o', file, '-r', '64', '--up-axis', 'z'], { stdio: 'pipe' });
+  const { page, context } = await visit(QUICK);
+  const chosen = async () => [await page.inputValue('[name=resolution]'), await page.inputValue('[name=up]')];
+  await change(page, () => drop(page, { 'walls.vxd': readFileSync(file) }));
+  assert.deepEqual(await chosen(), ['64', 'z']);
+  await change(page, () => drop(page, WALLS));
+  assert.deepEqual(await chosen(), ['128', 'y']);
+  await context.close();
+});
+
+test('a scene that does not come can be cancelled', async () => {
+  const { page, context } = await visit(QUICK);
+  await rested(page);
+  await page.route('**/slow.obj', () => {});
+  await page.goto(`${site.url}?slow#scene=slow.obj&${QUICK}`);
+  await page.locator('#cancel').click();
+  await rested(page);
+  assert.equal(await text(page, 'scene-name'), 'Demo scene');
   await context.close();
 });
 

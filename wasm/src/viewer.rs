@@ -50,7 +50,7 @@ impl Viewer {
             AnyGeometry::Ssvdag(ssvdag) => wide(&ssvdag, None),
             _ => None,
         };
-        let wide = wide.ok_or_else(|| error("out of memory: try a smaller resolution"))?;
+        let wide = wide.ok_or_else(|| error("out of memory: there is no room for the trees that rays go through"))?;
         let top = top_within(&wide.as_wide(), TOP_BITS, None);
         Ok(Viewer { palette, wide, top, loaded, rays: Cell::new(0) })
     }

@@ -19,8 +19,8 @@ export const QUALITIES = [
   { normals: 'plane2', samples: 4, supersample: 'all' },
   ...['near', 'adaptive', 'all'].map((supersample) => ({ normals: 'plane2', samples: 16, supersample })),
 ];
-// Pictures that are kept of a view.
-const MOST = 16;
+// Bytes of pictures that are kept of a view, beside its reference.
+const MOST = 128 << 20;
 const SVG = 'http://www.w3.org/2000/svg';
 
 // Those that nothing faster is nearer than.
@@ -60,9 +60,12 @@ export class Accuracy {
     const { pictures } = this.view;
     pictures.delete(setting);
     pictures.set(setting, picture);
-    if (pictures.size > MOST) {
-      const oldest = [...pictures.values()].find((each) => each.setting !== this.view.best?.setting);
-      pictures.delete(oldest.setting);
+    let kept = [...pictures.values()].reduce((sum, each) => sum + each.pixels.length, 0);
+    for (const each of pictures.values()) {
+      if (kept <= MOST) break;
+      if (each === picture || each === this.view.best) continue;
+      pictures.delete(each.setting);
+      kept -= each.pixels.length;
     }
     if (rank >= 0 && rank >= (this.view.best?.rank ?? 0)) {
       this.view.best = picture;
@@ -74,15 +77,16 @@ export class Accuracy {
 
   // Measures pictures against the reference of their view.
   async compare(pictures, size) {
-    const { view } = this;
+    // Those of now: another scene may have come before all are measured.
+    const { view, points } = this;
     const reference = words(view.best.pixels);
     for (const picture of pictures) {
       const shown = words(picture.size[0] === size[0] ? picture.pixels : enlarged(picture, size));
       const error = picture === view.best ? 0 : await this.pool.run({ job: 'rmse', reference, picture: shown }, { kept: true });
       const { setting, name, detail, ms } = picture;
-      this.points.set(setting, { setting, name, detail, ms, error, isReference: picture === view.best });
+      points.set(setting, { setting, name, detail, ms, error, isReference: picture === view.best });
     }
-    for (const point of this.points.values()) point.isReference &&= point.setting === view.best.setting;
+    for (const point of points.values()) point.isReference &&= point.setting === view.best.setting;
     this.draw();
   }
 
@@ -119,7 +123,7 @@ function make(name, attributes, ...children) {
 
 // Milliseconds to the right, errors upwards, both by decades; the reference stands on the ground.
 function plot(points, best) {
-  const [width, height, left, right, top, bottom] = [300, 176, 40, 12, 10, 30];
+  const [width, height, left, right, top, bottom] = [300, 176, 48, 12, 10, 30];
   const svg = make('svg', { viewBox: `0 0 ${width} ${height}`, role: 'img',
     'aria-label': `Milliseconds per frame and error of ${points.length} settings; the table has the numbers` });
   const span = (values, least) => {
@@ -133,11 +137,11 @@ function plot(points, best) {
   const x = (ms) => left + ((Math.log10(ms) - x0) / (x1 - x0)) * (width - left - right);
   const y = (error) => (error > 0 ? ground - 14 - ((Math.log10(error) - y0) / (y1 - y0)) * (ground - 14 - top) : ground);
   svg.append(make('path', { class: 'axis', d: `M${left} ${top}V${ground}H${width - right}` }));
-  for (const value of ticks(x0, x1)) {
+  for (const value of ticks(x0, x1, 4)) {
     svg.append(make('path', { class: 'grid', d: `M${x(value)} ${top}V${ground}` }));
     svg.append(make('text', { x: x(value), y: ground + 12, 'text-anchor': 'middle' }, time(value)));
   }
-  for (const value of ticks(y0, y1)) {
+  for (const value of ticks(y0, y1, 5)) {
     svg.append(make('path', { class: 'grid', d: `M${left} ${y(value)}H${width - right}` }));
     svg.append(make('text', { x: left - 5, y: y(value) + 3, 'text-anchor': 'end' }, digits(value)));
   }
@@ -153,14 +157,14 @@ function plot(points, best) {
   return svg;
 }
 
-// Round values in a range of decades, few enough to be read.
-function ticks(from, to) {
+// Round values in a range of decades, at most so many.
+function ticks(from, to, most) {
   for (const steps of [[1, 2, 5], [1, 3], [1]]) {
     const found = [];
     for (let decade = Math.floor(from); decade <= to; decade++) {
       found.push(...steps.map((step) => step * 10 ** decade).filter((v) => Math.log10(v) > from && Math.log10(v) < to));
     }
-    if (found.length <= 5 || steps.length === 1) return found;
+    if (found.length <= most || steps.length === 1) return found;
   }
 }
 

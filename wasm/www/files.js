@@ -27,14 +27,14 @@ async function inside(entry, folder) {
 }
 
 // A file from a URL.
-export async function fetched(url) {
-  const answer = await fetch(url);
+export async function fetched(url, signal) {
+  const answer = await fetch(url, { signal });
   if (!answer.ok) throw new Error(`${url}: ${answer.status} ${answer.statusText}`);
   const name = new URL(url, location.href).pathname.split('/').pop() || 'scene.vxd';
   return [{ name, file: await answer.blob() }];
 }
 
-// The file that the others belong to, for a title; the module decides for itself.
+// What files are called that could not be opened; of others, the module says which one it has built.
 export const title = (files) =>
   (files.find(({ name }) => /\.vxd$/i.test(name)) ?? files.find(({ name }) => /\.obj$/i.test(name)) ?? files[0])
     ?.name.split('/').pop() ?? '';

@@ -9,93 +9,139 @@ import { bind, offer, show, showPick, showStats, showWarnings } from './panel.js
 import { Picture } from './picture.js';
 import { Pool, alone } from './pool.js';
 import { copy, download, png } from './save.js';
-import { fromHash, toHash } from './state.js';
+import { beginning, fromHash, sides, toHash } from './state.js';
 
 const $ = (id) => document.getElementById(id);
 const [canvas, stage, form] = [$('picture'), $('stage'), $('settings')];
 
 const state = fromHash(location.hash);
-// {id, source, name, built, camera, effects, hasNormals, stats}
+// What the page opens with: the camera of the link belongs to it.
+const first = state.scene ? { url: state.scene } : {};
+// {source, name, built, camera, effects, hasNormals, stats, up, asked}
 let scene = null;
+// {source, control}
 let building = null;
 let memory = 0;
 let frame = null;
+// Number of sources that were opened.
+let opened = 0;
 // Whether the scene has not been seen yet.
 let isFresh = false;
 
-const workers = +new URLSearchParams(location.search).get('workers') || navigator.hardwareConcurrency || 2;
+const asked = Math.floor(new URLSearchParams(location.search).get('workers'));
+const workers = Math.min(64, asked > 0 ? asked : navigator.hardwareConcurrency || 2);
 let module, pool, picture, accuracy;
+// What workers take, one scene after the other: all must hold the same.
+let loading = null;
 
-async function start() {
+async function prepare() {
   bind(form, state, changed);
   module = await WebAssembly.compileStreaming(fetch('pkg/voxdag_bg.wasm'));
   pool = new Pool(module, workers);
   accuracy = new Accuracy($('accuracy'), pool);
   picture = new Picture(canvas, pool, { onpass, onerror: failed });
   new ResizeObserver(() => update()).observe(stage);
-  if (state.scene) await open({ url: state.scene });
-  // What could not be opened is still said.
-  if (!scene) await open({}, true);
+}
+const prepared = prepare();
+
+async function start() {
+  await prepared;
+  // A visitor may have been faster.
+  if (!building) await open(first);
+}
+
+// The demo, over what is said of something that could not be opened; its resolution may have been too much.
+function fallBack() {
+  state.resolution = beginning().resolution;
+  show(form, state);
+  open({}, true);
 }
 
 // Opens files, a URL or, of neither, the scene that comes along. The camera stays if it is the same scene again.
 async function open(source, isFallback = false) {
-  building?.abort(new Error('cancelled'));
-  const control = (building = new AbortController());
-  const isAgain = scene?.source === source;
+  building?.control.abort(new Error('cancelled'));
+  const control = new AbortController();
   const { signal } = control;
+  building = { source, control };
+  const isLast = () => building?.control === control;
+  const { resolution, up } = scene?.asked ?? state;
   try {
     if (!isFallback) hideError();
     performance.mark('open');
     progress('Reading…');
-    source.files ??= source.url && (await fetched(source.url));
+    await prepared;
+    source.files ??= source.url && (await fetched(source.url, signal));
     const files = source.files && (await read(source.files));
+    signal.throwIfAborted();
     progress('Building…');
-    const built = await alone(module, { job: 'build', files, resolution: state.resolution, up: state.up }, {
+    const built = await alone(module, { job: 'build', files, resolution, up }, {
       signal,
       onprogress: (done, total) => progress('Building…', done / total),
       transfer: files?.map(({ bytes }) => bytes.buffer),
     });
+    while (loading) await loading.catch(() => {});
     signal.throwIfAborted();
+    // From here on there is no way back, only a next one.
     progress('Loading…');
-    picture.set(null);
-    const [info] = await pool.all({ job: 'load', words: built.words });
-    delete built.words;
-    if (!source.files) info.camera = await pool.run({ job: 'demoCamera' });
-    const stats = await pool.run({ job: 'stats' });
-    memory = (await pool.all({ job: 'memory' })).reduce((sum, bytes) => sum + bytes, 0);
-    const name = (source.url && state.title) || (source.files ? title(source.files) : 'Demo scene');
-    const camera = (isAgain || !scene) && state.camera ? state.camera : null;
-    scene = { ...info, id: isAgain ? scene.id : crypto.randomUUID?.() ?? Math.random(), source, name, built, stats };
+    $('cancel').disabled = true;
+    loading = load(built, !source.files).finally(() => (loading = null));
+    const { stats, ...info } = await loading;
+    const name = (source.url && state.title) || (source.files ? built.name : 'Demo scene');
+    const isAgain = source === (scene?.source ?? first);
+    const isBuilt = built.triangles === undefined;
+    scene = { ...info, source, name, built, stats };
+    // A file has its own; the next mesh is built with what was asked for before.
+    scene.up = isBuilt ? (info.camera.up[2] > 0.5 ? 'z' : 'y') : up;
+    scene.asked = isBuilt ? { resolution, up } : null;
+    source.id ??= ++opened;
     if (!isAgain) {
+      state.camera = null;
       state.scene = source.url ?? '';
       if (!source.url) state.title = '';
       accuracy.clear();
     }
-    state.camera = camera;
-    if (built.triangles === undefined) state.resolution = stats.resolution;
     frame = null;
     $('scene-name').textContent = name;
-    show(form, state);
-    offer(form, { ...info, isBuilt: built.triangles === undefined });
+    showAsBuilt();
+    offer(form, { ...info, isBuilt });
     showWarnings($('warnings'), built.warnings);
     statistics();
     isFresh = true;
     update();
   } catch (error) {
-    if (building === control && scene) {
-      state.resolution = scene.stats.resolution;
-      show(form, state);
+    if (isLast() && scene) {
+      showAsBuilt();
+      // Workers that could not take the new scene have the old one.
+      if (!picture.view) update();
     }
     if (signal.aborted) return;
     const name = source.files ? title(source.files) : source.url ?? 'the demo scene';
     failed(error, `${name} could not be opened`);
   } finally {
-    if (building === control) {
+    if (isLast()) {
       building = null;
       progress(null);
+      if (!scene && !isFallback) fallBack();
     }
   }
+}
+
+// Resolution and up axis are those of the scene that is shown.
+function showAsBuilt() {
+  state.resolution = scene.stats.resolution;
+  state.up = scene.up;
+  show(form, state);
+}
+
+// Gives a scene to all workers, and says what it holds.
+async function load(built, isDemo) {
+  picture.set(null);
+  const [info] = await pool.all({ job: 'load', words: built.words });
+  delete built.words;
+  if (isDemo) info.camera = await pool.run({ job: 'demoCamera' });
+  info.stats = await pool.run({ job: 'stats' });
+  memory = (await pool.all({ job: 'memory' })).reduce((sum, bytes) => sum + bytes, 0);
+  return info;
 }
 
 // The camera, unless the visitor has moved it the scene's own.
@@ -103,7 +149,9 @@ const camera = () => state.camera ?? scene?.camera;
 
 function changed(name) {
   if (name === 'resolution' || name === 'up') {
-    if (scene) open(scene.source);
+    // Of what is being opened, if something is.
+    const { source } = building ?? scene ?? {};
+    if (source) open(source);
   } else {
     update();
   }
@@ -111,7 +159,8 @@ function changed(name) {
 
 // Draws what the state says from now on.
 function update() {
-  if (!scene || !picture) return;
+  // Workers that load have no scene of which a picture could be drawn.
+  if (!scene || loading) return;
   const size = fit();
   const { show, normals, rest, light, ambient, up } = state;
   const sun = light === 'sun' ? sunDirection(up, state.azimuth, state.elevation) : null;
@@ -122,14 +171,14 @@ function update() {
     demo: !scene.source.files,
   };
   $('mark').hidden = true;
-  picture.set({ camera: camera(), settings, size, scene: scene.id, resolution: scene.stats.resolution });
+  picture.set({ camera: camera(), settings, size, scene: scene.source.id, resolution: scene.stats.resolution });
 }
 
 // The picture's size in pixels; a chosen one is shown as large as it fits.
 function fit() {
   const [width, height] = [stage.clientWidth, stage.clientHeight];
-  const wanted = /^(\d+)x(\d+)$/.exec(state.size)?.slice(1).map(Number);
-  if (wanted && wanted.every((side) => side > 0 && side <= 8192)) {
+  const wanted = sides(state.size);
+  if (wanted) {
     const scale = Math.min(width / wanted[0], height / wanted[1]);
     [canvas.style.width, canvas.style.height] = wanted.map((side) => `${side * scale}px`);
     return wanted;
@@ -210,10 +259,13 @@ async function ray(x, y) {
 // Moves the camera there in a moment.
 function glide(to) {
   const [from, start] = [camera(), performance.now()];
+  let moved = state.camera;
   const length = matchMedia('(prefers-reduced-motion: reduce)').matches ? 0 : 250;
   const step = (now) => {
+    // Whoever moves the camera meanwhile, moves it.
+    if (state.camera !== moved) return;
     const t = length ? Math.min(1, Math.max(0, (now - start) / length)) : 1;
-    state.camera = between(from, to, t * t * (3 - 2 * t));
+    state.camera = moved = between(from, to, t * t * (3 - 2 * t));
     update();
     if (t < 1) requestAnimationFrame(step);
   };
@@ -223,10 +275,7 @@ function glide(to) {
 // Files.
 $('open').onclick = () => $('files').click();
 $('open-folder').onclick = () => $('folder').click();
-$('open-demo').onclick = () => {
-  state.camera = null;
-  open({});
-};
+$('open-demo').onclick = () => open({});
 for (const input of [$('files'), $('folder')]) {
   input.onchange = () => {
     if (input.files.length) open({ files: chosen(input.files) });
@@ -243,7 +292,7 @@ addEventListener('drop', (event) => {
   $('drop').hidden = true;
   dropped(event.dataTransfer).then((files) => files.length && open({ files })).catch(failed);
 });
-$('cancel').onclick = () => building?.abort(new Error('cancelled'));
+$('cancel').onclick = () => building?.control.abort(new Error('cancelled'));
 
 // What can be taken along.
 const base = () => (scene?.name ?? 'voxdag').replace(/\.\w+$/, '').toLowerCase().replaceAll(' ', '-');
@@ -268,7 +317,10 @@ addEventListener('keydown', ({ key }) => {
   if (key !== 'Escape') return;
   $('pick').hidden = $('mark').hidden = true;
   hideError();
-  for (const menu of document.querySelectorAll('.menu[open]')) menu.open = false;
+  for (const menu of document.querySelectorAll('.menu[open]')) {
+    menu.open = false;
+    menu.querySelector('summary').focus();
+  }
 });
 // A link that is pasted into this very page.
 addEventListener('hashchange', () => location.reload());
@@ -276,6 +328,7 @@ addEventListener('hashchange', () => location.reload());
 // What is said.
 function progress(text, share) {
   $('progress').hidden = text === null;
+  $('cancel').disabled = false;
   $('progress-text').textContent = text ?? '';
   if (share === undefined) $('progress-bar').removeAttribute('value');
   else $('progress-bar').value = share;
@@ -284,7 +337,8 @@ function progress(text, share) {
 function failed(error, heading = 'Something went wrong') {
   const { message, fatal } = error;
   $('error-title').textContent = heading;
-  $('error-text').textContent = fatal ? `The module stopped (${message}): it may have run out of memory. Try a smaller resolution.` : message;
+  const text = fatal ? `The module stopped (${message}): it may have run out of memory` : message;
+  $('error-text').textContent = text.includes('out of memory') ? `${text}. Try a smaller resolution.` : text;
   $('error').hidden = false;
 }
 

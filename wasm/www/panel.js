@@ -25,12 +25,8 @@ export function show(form, state) {
     const field = form.elements[name];
     const isMissing = field.options && ![...field.options].some((option) => option.value === String(state[name]));
     // A link may ask for what the list has not.
-    if (isMissing && name !== 'normals' && name !== 'show') field.add(new Option(String(state[name]).replace('x', ' × '), state[name]));
+    if (isMissing) field.add(new Option(String(state[name]).replace('x', ' × '), state[name]));
     field.value = state[name];
-    if (field.options && field.selectedIndex < 0) {
-      field.selectedIndex = 0;
-      state[name] = field.value;
-    }
   }
   const chosen = state.effects.split(',');
   for (const box of form.elements.effects) box.checked = chosen.includes(box.value);

@@ -2,7 +2,7 @@
 //
 // A pass is a whole picture of some quality, drawn as bands of rows by whichever worker is free. A change starts a new
 // generation: bands of the old one that wait are dropped, and what still comes of it is not shown. Only coarse passes are
-// always finished, so that there is something to see while one drags.
+// always finished, so that there is something to see while one drags; but of no scene that is there no longer.
 
 import { DROPPED } from './pool.js';
 
@@ -31,16 +31,19 @@ export class Picture {
     this.onpass = onpass;
     this.onerror = onerror;
     this.generation = 0;
+    // The first generation of the scene that workers hold.
+    this.first = 0;
     this.changed = 0;
     this.view = null;
     // Milliseconds per ray of one sample, as last measured.
     this.pace = null;
   }
 
-  // Shows a view from now on: {camera, settings, size}; null for none.
+  // Shows a view from now on: {camera, settings, size}; null before workers take another scene.
   set(view) {
     this.view = view;
     this.generation++;
+    if (!view) this.first = this.generation;
     this.changed = performance.now();
     this.pool.drop();
     this.canvas.dataset.state = 'drawing';
@@ -50,23 +53,25 @@ export class Picture {
   // Draws until nothing has changed since it began.
   async run() {
     this.isRunning = true;
-    try {
-      let generation;
-      while (generation !== this.generation) {
-        generation = this.generation;
+    let generation, failure;
+    while (generation !== this.generation) {
+      generation = this.generation;
+      failure = null;
+      try {
         if (this.view) await this.refine(this.view, generation);
+      } catch (error) {
+        failure = error;
       }
-      if (this.view) this.canvas.dataset.state = 'rested';
-    } catch (error) {
-      this.onerror(error);
-    } finally {
-      this.isRunning = false;
     }
+    this.isRunning = false;
+    if (failure) this.onerror(failure);
+    else if (this.view) this.canvas.dataset.state = 'rested';
   }
 
   // Draws one pass after the other until something changes.
   async refine(view, generation) {
     const coarse = await this.draw(view, { scale: this.coarseScale(view), samples: 1, supersample: 'all' }, generation);
+    if (generation < this.first) return;
     this.present(coarse, view);
     this.onpass(coarse);
     await this.rest(generation);
@@ -147,7 +152,8 @@ export class Picture {
       }));
     }
     if (dropped) return undefined;
-    const ms = performance.now() - start;
+    // Clocks may stand for as long as a picture takes.
+    const ms = Math.max(0.1, performance.now() - start);
     if (isShaded && pass.samples === 1) this.pace = ms / (width * height);
     return { view, pass, ms, rays, pixels, width, height };
   }

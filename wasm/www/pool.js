@@ -37,11 +37,11 @@ class Hand {
 
 // Runs one job on a worker of its own, which takes its memory with it when it ends. `signal` ends it before that.
 export async function alone(module, job, { signal, onprogress, transfer }) {
+  signal?.throwIfAborted();
   const hand = new Hand(module, onprogress);
   const end = () => hand.end(signal.reason);
   signal?.addEventListener('abort', end, { once: true });
   try {
-    signal?.throwIfAborted();
     await hand.ready;
     return await hand.run(job, transfer);
   } finally {

@@ -16,13 +16,14 @@ const jobs = {
     for (const { name, bytes } of files ?? []) all.add(name, bytes);
     for (const { name, bytes } of named(files ?? [])) await addPicture(all, name, bytes);
     files = undefined;
+    const name = all.main.split('/').pop();
     const built = build(all, resolution, up, (done, total) => postMessage({ progress: [done, total] }));
     all.free();
     const { triangles, warnings } = built;
     const words = built.takeWords();
     built.free();
     const memory = wasm.memory.buffer.byteLength;
-    return [{ words, triangles, warnings, memory, ms: performance.now() - start }, [words.buffer]];
+    return [{ name, words, triangles, warnings, memory, ms: performance.now() - start }, [words.buffer]];
   },
 
   load({ words }) {
@@ -95,16 +96,21 @@ function named(files) {
   return files.filter((file) => /\.(png|jpe?g|bmp|gif|webp|avif)$/i.test(file.name) && isNamed(file));
 }
 
-// Lets the browser decode a picture; one that it cannot decode is left as it is, and becomes a warning.
+// Lets the browser decode a picture; one that it cannot decode, perhaps for its size, stays as it is and becomes a warning.
 async function addPicture(files, name, bytes) {
   const options = { premultiplyAlpha: 'none', colorSpaceConversion: 'none' };
-  const bitmap = await createImageBitmap(new Blob([bytes]), options).catch(() => null);
-  if (!bitmap) return;
-  const { width, height } = bitmap;
-  const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
-  context.drawImage(bitmap, 0, 0);
-  bitmap.close();
-  files.addPicture(name, width, height, new Uint8Array(context.getImageData(0, 0, width, height).data.buffer));
+  let decoded;
+  try {
+    const bitmap = await createImageBitmap(new Blob([bytes]), options);
+    const { width, height } = bitmap;
+    const context = new OffscreenCanvas(width, height).getContext('2d', { willReadFrequently: true });
+    context.drawImage(bitmap, 0, 0);
+    bitmap.close();
+    decoded = context.getImageData(0, 0, width, height);
+  } catch {
+    return;
+  }
+  files.addPicture(name, decoded.width, decoded.height, new Uint8Array(decoded.data.buffer));
 }
 
 // Lends the camera and the settings of a message to `use`.
