@@ -99,7 +99,10 @@ fn raw_colors_are_the_pictures_own_and_none_are_none() {
 
 #[test]
 fn what_is_no_picture_is_grey_with_one_warning() {
-    let cases: [(&str, Option<&[u8]>, &str); 4] = [
+    // One bit a pixel, 2^31 - 1 pixels a side: no number of them may overflow.
+    let wide = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\x7f\xff\xff\xff\x7f\xff\xff\xff\x01\0\0\0\0\x3c\xb2\x36\xcb";
+    let cases: [(&str, Option<&[u8]>, &str); 5] = [
+        ("wide.png", Some(wide), "it is larger than 16384 pixels a side"),
         ("lost.png", None, "texture \"lost.png\" is not there; what it would colour is drawn grey"),
         ("text.png", Some(b"no picture"), "it is no picture that is known: expected PNG, JPEG, BMP or TGA"),
         ("empty.png", Some(b""), "it is no picture that is known: expected PNG, JPEG, BMP or TGA"),
@@ -160,6 +163,21 @@ fn pictures_are_found_where_exporters_leave_them_and_kept_within_the_limit() {
     let materials = (0..10).map(|i| format!("newmtl m{i}\nKd 1\nmap_Kd card.png\n")).collect::<String>();
     s.write("card.mtl", format!("newmtl card\nKd 1\nmap_Kd card.png\n{materials}"));
     s.ok("build card.obj -o card.vxd -r 16 --memory-limit 160k");
+}
+
+#[test]
+fn what_stands_beside_the_pixels_takes_little_memory() {
+    // A profile of 256 MiB that is packed into less than one.
+    use image::ImageEncoder;
+    let s = sandbox("card.png", ImageFormat::Png);
+    let mut encoder = image::codecs::png::PngEncoder::new(std::fs::File::create(s.path("card.png")).unwrap());
+    encoder.set_icc_profile(vec![0; 256 << 20]).unwrap();
+    encoder.write_image(&[255; 12], 2, 2, image::ExtendedColorType::Rgb8).unwrap();
+    assert!(s.read("card.png").len() < 1 << 20);
+    let run = s.ok("build card.obj -o card.vxd -r 16 --json");
+    assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(report["peak_rss_bytes"].as_u64().is_none_or(|bytes| bytes < 128 << 20), "{}", run.stdout);
 }
 
 #[test]
