@@ -210,7 +210,7 @@ fn a_name_means_the_picture_beside_its_library() {
     for (folder, color) in [("left", [255, 0, 0]), ("right", [0, 0, 255])] {
         std::fs::create_dir(s.path(folder)).unwrap();
         s.write(&format!("{folder}/card.mtl"), format!("newmtl {folder}\nKa 1\nKd 1\nmap_Kd card.png\n"));
-        RgbImage::from_pixel(2, 2, Rgb(color)).save(s.path(&format!("{folder}/card.png"))).unwrap();
+        RgbImage::from_pixel(2, 2, Rgb(color)).save(s.path(format!("{folder}/card.png"))).unwrap();
     }
     let picture = drawn(&s, "two.obj", "-r 64 --textures raw");
     assert_eq!(picture.get_pixel(48, 40).0, [255, 0, 0]);
