@@ -371,6 +371,10 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
             cost: Cost { parse: source.parse_time, voxelize, reduce: reduce + laid_out, materials: time },
         })
     })?;
+    if built.stats.voxels == 0 {
+        let why = "map_d cuts everything out, or --cover thin leaves nothing";
+        report::warning(format_args!("{}: no voxel is filled: {why}", source.path.display()));
+    }
     memory.hold(built.held());
     Ok(built)
 }

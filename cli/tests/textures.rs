@@ -191,7 +191,8 @@ fn a_texture_that_no_voxel_shows_leaves_a_scene_without_colors() {
     for library in [library, &cut] {
         s.write("card.mtl", library);
         for materials in ["tree", "ranked"] {
-            s.ok(&format!("build card.obj -o card.vxd -r 16 --materials {materials}"));
+            let run = s.ok(&format!("build card.obj -o card.vxd -r 16 --materials {materials}"));
+            assert_eq!(run.stderr.contains("warning: card.obj: no voxel is filled"), library == cut, "{}", run.stderr);
             let info = s.ok("info card.vxd").stdout;
             assert!(!info.contains("(textured)"), "{info}");
         }
