@@ -39,7 +39,7 @@ check_doc() {
 check_no_std() {
     local target
     export RUSTFLAGS=-Dwarnings
-    for target in thumbv7em-none-eabihf x86_64-unknown-none wasm32-unknown-unknown; do
+    for target in thumbv7em-none-eabihf riscv32imac-unknown-none-elf x86_64-unknown-none wasm32-unknown-unknown; do
         cargo build --locked -p voxdag --lib --no-default-features --target "$target"
         cargo build --locked -p voxdag --lib --no-default-features --features alloc --target "$target"
     done
@@ -123,12 +123,18 @@ check_targets() {
         node tests/golden/wasm.mjs "$target/wasm32-unknown-unknown/release/voxdag-golden.wasm" || failed+=("wasm32 $flags")
     done
 
-    # A microcontroller with 32-bit words and f64 in software: from files in flash without a heap, then from the meshes.
+    # A whole program without operating system links elsewhere, too.
+    cd tests/bare
+    for flags in riscv32imac-unknown-none-elf x86_64-unknown-none; do
+        cargo build --locked --profile small --bin picture --features tight --target "$flags"
+    done
+    # A microcontroller with 32-bit words and f64 in software: a picture in 96 KiB of flash and 8 KiB of RAM, scene and all;
+    # from files in flash without a heap; then from the meshes.
     if command -v qemu-system-arm >/dev/null; then
-        cd tests/bare
-        for flags in "--bin draw" "--bin pipeline --features heap"; do
-            cargo clippy --locked --release $flags -- -D warnings
-            timeout 600 cargo run --locked --release $flags || failed+=("arm $flags")
+        for flags in "--profile small --bin picture --features tight" "--release --bin draw" \
+            "--release --bin pipeline --features heap"; do
+            cargo clippy --locked $flags -- -D warnings
+            timeout 600 cargo run --locked $flags || failed+=("arm $flags")
         done
     else
         echo "SKIPPED: 32-bit ARM, as qemu-system-arm is missing (apt-get install qemu-system-arm)"

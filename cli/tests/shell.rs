@@ -58,7 +58,7 @@ fn help_names_every_command_flag_and_default() {
     }
     // Nothing runs off an ordinary terminal but one line of examples.
     for help in [&all, &build, &render, &cast, &export] {
-        assert!(help.lines().all(|line| line.chars().count() <= 120), "{help}");
+        assert_eq!(help.lines().find(|line| line.chars().count() > 120), None);
     }
 }
 

@@ -144,7 +144,7 @@ pub struct PictureArgs {
 
     /// How high above a surface rays to lights and mirrored ones start, in heights of its steps [default: 1]
     ///
-    /// Where the way there is free. 0 is on the surface, exact by voxel: thin shadows begin at once, and steps shade each other.
+    /// Where the way there is free. At 0 thin shadows begin at once, and a surface's steps shade each other.
     #[arg(long, value_name = "H", value_parser = lift, allow_hyphen_values = true)]
     pub lift: Option<f32>,
 

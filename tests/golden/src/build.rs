@@ -26,6 +26,8 @@ pub fn words(name: &str) -> Option<Result<Vec<u32>, String>> {
         }
         "waves" => small(shapes::waves(), 128, UpAxis::Y, Options { cover: Cover::Thin, ..exact }),
         "soup" => small(shapes::soup(), 61, UpAxis::Y, Options { materials: MaterialMode::Table, ..exact }),
+        // For little flash, and not among the cases.
+        "little" => small(shapes::waves(), 40, UpAxis::Y, exact),
         #[cfg(feature = "hall")]
         "hall" => hall(),
         _ => return None,

@@ -24,6 +24,11 @@ pub struct Case {
     pub hashes: [u64; 3],
 }
 
+/// The picture by [`crate::plain`] of the scene [`PLAIN_SCENE`].
+pub const PLAIN: u64 = 0x3718_60f7_3a0b_7bb0;
+/// Its name: a file of 6 KB.
+pub const PLAIN_SCENE: &str = "little";
+
 /// All scenes. The first is small enough for an interpreter.
 pub const CASES: [Case; 6] = [
     Case {

@@ -13,6 +13,7 @@ extern crate alloc;
 pub mod build;
 mod draw;
 pub mod hashes;
+pub mod plain;
 #[cfg(feature = "build")]
 mod shapes;
 
@@ -154,6 +155,16 @@ mod tests {
             let words = build::words(case.name).expect("all features are there").expect("the scene is built");
             assert_eq!(check(case, &words, &mut report), Ok(0), "{report}");
         }
+    }
+
+    /// The picture that `tests/bare` draws in a few KiB.
+    #[test]
+    #[cfg(feature = "build")]
+    #[cfg_attr(miri, ignore)]
+    fn the_plain_picture_has_its_hash() {
+        let words = build::words(hashes::PLAIN_SCENE).expect("all features are there").expect("the scene is built");
+        let found = plain::hash(&words).expect("the scene is a DAG");
+        assert_eq!(found, hashes::PLAIN, "found {found:#018x}");
     }
 
     #[test]
