@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use voxdag::Material;
 use voxdag::obj::{ImportError, Model, import};
+use voxdag::texture::Placement;
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
@@ -242,6 +243,21 @@ fn textures_keep_their_options_and_their_names() {
     assert_eq!(warnings, ["a.mtl:2: option \"-q\" of map_Kd is not known; texture \"wood.png\" is used without it"]);
     assert_eq!(plain("-clamp maybe.png").1.len(), 1);
     assert_eq!(plain("-o wood.png").0.path, "wood.png");
+    // The picture alone, where no colour is said.
+    let diffuse = |mtl: &str| material(mtl).0.material.diffuse;
+    assert_eq!((diffuse("map_Kd wood.png"), diffuse("map_Kd a\nKd 0.0")), ([1.0; 3], [0.0; 3]));
+    assert_eq!(diffuse("map_d wood.png"), Material::GREY.diffuse);
+    // Numbers that cannot be used are numbers all the same, and no part of the name.
+    for (text, numbers) in
+        [("-o 1e300 2 wood.png", "1e300 2"), ("-s nan wood.png", "nan"), ("wood.png -mm 0 -inf", "0 -inf")]
+    {
+        let (map, warnings) = plain(text);
+        assert_eq!((map.path.as_str(), map.placement), ("wood.png", Placement::default()), "{text}");
+        let option = text.split(' ').find(|word| word.starts_with('-')).unwrap();
+        let expected =
+            format!("a.mtl:2: map_Kd: option {option} {numbers:?} is not finite in single precision; it is skipped");
+        assert_eq!(warnings, [expected]);
+    }
 }
 
 #[test]

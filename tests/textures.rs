@@ -1,5 +1,6 @@
 //! Textures: what voxels take over from pictures, against formulas and a mean of our own, and how colours are kept.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use voxdag::colors::{ColorMode, Colored, Colors, ColorsBuf, Painted};
@@ -7,7 +8,8 @@ use voxdag::materials::Single;
 use voxdag::rank::{AnyRank, Prefix};
 use voxdag::scene::{Build, Join, MaterialMode, Options};
 use voxdag::texture::{Image, Maps, Placement, Texture};
-use voxdag::{Grid, Materials, Mesh};
+use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
+use voxdag::{Grid, Materials, Mesh, Morton};
 use voxdag_oracle::rng::Rng;
 
 /// The linear light of an sRGB byte, by the standard's formula.
@@ -219,6 +221,32 @@ fn colors_do_not_depend_on_the_order() {
 }
 
 /// A disc is cut out of a square by opacity, and by brightness where there is none; half or more of a voxel stays.
+#[test]
+fn a_brick_is_cut_out_as_the_whole_is() {
+    let image = picture(8, 8, |x, y| [255, 255, 255, if (x + y) % 3 == 0 { 255 } else { 0 }]);
+    let dissolve = Some(Texture::new(image, Placement::default()));
+    let (sheet, grid, maps) = (Sheet::square(32.0), unit_grid(32), [Maps { diffuse: None, dissolve }]);
+    let mesh = sheet.mesh();
+    let voxelizer = Voxelizer::new(&mesh, &grid, Cover::Exact).unwrap().with_textures(&maps);
+    let mut marked = BTreeMap::new();
+    for subtree in 0..voxelizer.subtrees() {
+        let base = voxelizer.subtree_code(subtree).0;
+        let whole = voxelizer.voxelize::<VoxelizeError>(subtree, |brick| {
+            marked.extend(brick.triangles.iter().map(|&(triangle, mask)| ((triangle, base | brick.code.0), mask)));
+            Ok(())
+        });
+        whole.unwrap();
+    }
+    let count: u32 = marked.values().map(|mask: &u64| mask.count_ones()).sum();
+    assert!((200..600).contains(&count), "{count} of 1024 voxels");
+    for code in (0..32 * 32 * 32).step_by(64).map(Morton) {
+        for triangle in [0, 1] {
+            let expected = marked.get(&(triangle, code.0)).copied().unwrap_or(0);
+            assert_eq!(voxelizer.brick(triangle, code), expected, "{triangle} at {code:?}");
+        }
+    }
+}
+
 #[test]
 fn what_is_cut_out_is_empty() {
     let side = 32;

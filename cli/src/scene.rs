@@ -1,5 +1,6 @@
 //! From a mesh file to the words of a `.vxd`, subtrees on all cores.
 
+use std::collections::HashSet;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -348,7 +349,10 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
         let layout = layout?;
         let (materials, names) = match voxel_materials {
             MaterialsBuf::Single(_) => (vec![Material::GREY], vec!["grey".to_owned()]),
-            _ => source.model.materials.iter().map(|m| (m.material, m.name.clone())).unzip(),
+            _ => {
+                let names = source.model.materials.iter().map(|named| named.name.clone());
+                (source.model.palette(colors.is_some()).collect(), names.collect())
+            }
         };
         Ok(Built {
             grid,
@@ -367,6 +371,10 @@ pub fn build(source: &Source, args: &BuildArgs, memory: &mut Memory) -> Result<B
             cost: Cost { parse: source.parse_time, voxelize, reduce: reduce + laid_out, materials: time },
         })
     })?;
+    if built.stats.voxels == 0 {
+        let why = "map_d cuts everything out, or --cover thin leaves nothing";
+        report::warning(format_args!("{}: no voxel is filled: {why}", source.path.display()));
+    }
     memory.hold(built.held());
     Ok(built)
 }
@@ -503,7 +511,10 @@ fn bytes_of(model: &Model) -> u64 {
     let sizes = [size_of_val(positions), size_of_val(triangles), size_of_val(materials), size_of_val(name_order)];
     let mesh: u64 = sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum();
     let textures = model.textures.iter().flat_map(|maps| [&maps.diffuse, &maps.dissolve]).flatten();
-    mesh + textures.map(Texture::bytes).sum::<u64>()
+    // Each picture once, however many materials show it.
+    let mut known = HashSet::new();
+    let pictures = textures.map(Texture::image).filter(|image| known.insert(Arc::as_ptr(image)));
+    mesh + pictures.map(|image| image.bytes()).sum::<u64>()
 }
 
 /// Refuses a mesh that reaches out of a grid that was chosen by hand.

@@ -99,7 +99,10 @@ fn raw_colors_are_the_pictures_own_and_none_are_none() {
 
 #[test]
 fn what_is_no_picture_is_grey_with_one_warning() {
-    let cases: [(&str, Option<&[u8]>, &str); 4] = [
+    // One bit a pixel, 2^31 - 1 pixels a side: no number of them may overflow.
+    let wide = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\x7f\xff\xff\xff\x7f\xff\xff\xff\x01\0\0\0\0\x3c\xb2\x36\xcb";
+    let cases: [(&str, Option<&[u8]>, &str); 5] = [
+        ("wide.png", Some(wide), "it is larger than 16384 pixels a side"),
         ("lost.png", None, "texture \"lost.png\" is not there; what it would colour is drawn grey"),
         ("text.png", Some(b"no picture"), "it is no picture that is known: expected PNG, JPEG, BMP or TGA"),
         ("empty.png", Some(b""), "it is no picture that is known: expected PNG, JPEG, BMP or TGA"),
@@ -150,4 +153,79 @@ fn pictures_are_found_where_exporters_leave_them_and_kept_within_the_limit() {
     assert!(run.code == 4 && run.stderr.contains("reading the textures of card.obj needs"), "{}", run.stderr);
     assert!(run.stderr.contains("--textures none"), "{}", run.stderr);
     s.ok("build card.obj -o card.vxd -r 16 --memory-limit 50k --textures none");
+
+    // Ten materials that show one picture, of 21 KB when it is read and 90 KB before, take it once.
+    s.write(
+        "card.obj",
+        format!("{SQUARE}{}", (0..10).map(|i| format!("usemtl m{i}\nf 1/1 2/2 3/3\n")).collect::<String>()),
+    );
+    s.write("card.png", s.read("other.png"));
+    let materials = (0..10).map(|i| format!("newmtl m{i}\nKd 1\nmap_Kd card.png\n")).collect::<String>();
+    s.write("card.mtl", format!("newmtl card\nKd 1\nmap_Kd card.png\n{materials}"));
+    s.ok("build card.obj -o card.vxd -r 16 --memory-limit 160k");
+}
+
+#[test]
+fn what_stands_beside_the_pixels_takes_little_memory() {
+    // A profile of 256 MiB that is packed into less than one.
+    use image::ImageEncoder;
+    let s = sandbox("card.png", ImageFormat::Png);
+    let mut encoder = image::codecs::png::PngEncoder::new(std::fs::File::create(s.path("card.png")).unwrap());
+    encoder.set_icc_profile(vec![0; 256 << 20]).unwrap();
+    encoder.write_image(&[255; 12], 2, 2, image::ExtendedColorType::Rgb8).unwrap();
+    assert!(s.read("card.png").len() < 1 << 20);
+    let run = s.ok("build card.obj -o card.vxd -r 16 --json");
+    assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    let report: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert!(report["peak_rss_bytes"].as_u64().is_none_or(|bytes| bytes < 128 << 20), "{}", run.stdout);
+}
+
+#[test]
+fn a_texture_that_no_voxel_shows_leaves_a_scene_without_colors() {
+    // Behind another material in the same place, and cut out altogether.
+    let s = sandbox("card.png", ImageFormat::Png);
+    s.write("card.obj", format!("{SQUARE}usemtl before\nf 1/1 2/2 3/3 4/4\n"));
+    let library = "newmtl before\nKd 1 0 0\nnewmtl card\nKd 1 1 1\nmap_Kd card.png\n";
+    let cut = format!("{library}map_d dark.png\n");
+    RgbImage::new(4, 4).save(s.path("dark.png")).unwrap();
+    for library in [library, &cut] {
+        s.write("card.mtl", library);
+        for materials in ["tree", "ranked"] {
+            let run = s.ok(&format!("build card.obj -o card.vxd -r 16 --materials {materials}"));
+            assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+            let info = s.ok("info card.vxd").stdout;
+            assert!(!info.contains("(textured)"), "{info}");
+        }
+        // Nor is a texture asked for while it is drawn from the mesh.
+        let json = s.ok("render card.obj -r 16 -o a.png --json --size 16x16").stdout;
+        assert!(!json.contains("\"textures\""), "{json}");
+    }
+    // Where nothing else is there, that is said.
+    s.write("card.obj", SQUARE);
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    assert!(run.stderr.contains("warning: card.obj: no voxel is filled: map_d cuts everything out"), "{}", run.stderr);
+}
+
+#[test]
+fn a_name_means_the_picture_beside_its_library() {
+    let s = Sandbox::new();
+    let corners = SQUARE.lines().filter(|line| line.starts_with('v')).collect::<Vec<_>>().join("\n");
+    let faces = "usemtl left\nf 1/1 2/2 3/3\nusemtl right\nf 1/1 3/3 4/4\n";
+    s.write("two.obj", format!("mtllib left/card.mtl right/card.mtl\n{corners}\n{faces}"));
+    for (folder, color) in [("left", [255, 0, 0]), ("right", [0, 0, 255])] {
+        std::fs::create_dir(s.path(folder)).unwrap();
+        s.write(&format!("{folder}/card.mtl"), format!("newmtl {folder}\nKa 1\nKd 1\nmap_Kd card.png\n"));
+        RgbImage::from_pixel(2, 2, Rgb(color)).save(s.path(format!("{folder}/card.png"))).unwrap();
+    }
+    let picture = drawn(&s, "two.obj", "-r 64 --textures raw");
+    assert_eq!(picture.get_pixel(48, 40).0, [255, 0, 0]);
+    assert_eq!(picture.get_pixel(16, 24).0, [0, 0, 255]);
+}
+
+#[test]
+fn verify_tells_of_colors() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    s.ok("build card.obj -o card.vxd -r 16");
+    let found = s.ok("verify card.vxd").stdout;
+    assert!(found.contains("colors     256 in blocks"), "{found}");
 }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use voxdag::colors::Colors;
 use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::materials::AnyMaterials;
 use voxdag::ranked::Values;
@@ -88,6 +89,17 @@ fn check(args: &Args) -> Result<()> {
     if let AnyMaterials::Tree(tree) = scene.materials {
         let found = format!("{}, every entry names what is there", size(4 * tree.words().len() as u64));
         checks.push(Check { name: "tree", found });
+    }
+
+    if let Some(colored) = scene.colors {
+        let colors = colored.colors();
+        let kind = match colors {
+            Colors::Blocks(_) => "in blocks",
+            Colors::Raw(_) => "as they are",
+        };
+        let found =
+            format!("{} {kind}: one for every voxel, every count that finds them right", grouped(colors.count()));
+        checks.push(Check { name: "colors", found });
     }
 
     let mut lines = Lines::default();

@@ -138,7 +138,7 @@ pub struct PictureArgs {
     /// auto, all: all of them
     /// phong:     highlights alone, as in Pineda's thesis
     /// -NAME and +NAME, by commas, take from auto, or after `phong,` add to it:
-    /// specular, shadows, mirror, transparency, refraction, emission
+    /// specular, shadows, mirror, transparency, refraction, emission, textures
     #[arg(long, value_name = "SET", value_parser = effects, verbatim_doc_comment, allow_hyphen_values = true)]
     pub effects: Option<Effects>,
 

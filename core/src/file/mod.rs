@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! word  0      magic: the bytes "VXD", 0x1a            28, 29  metres per world unit, 0 if unknown
-//!       1      version: 1, 2 from kind 5, 3 from 6,      30, 31  0
+//!       1      version: 1; 2, 3, 4 from kind 5, 6, 9   30, 31  0
 //!       2, 3   words in the file (low, high)           32..    one row of 6 words per section, in file order:
 //!       4      resolution                                      [ kind ][ CRC-32 ][ offset ][ - ][ length ][ - ]
 //!       5      up axis: 1 is y, 2 is z                 then    CRC-32 of all words before it

@@ -6,7 +6,8 @@
 //!
 //! The colour convention: the numbers of Ka, Kd, Ks, Ke and Tf are what authoring tools show, sRGB-encoded; they are
 //! decoded here, once, with the piecewise curve of IEC 61966-2-1, which goes on above 1 for lights. Defaults: Kd that of
-//! [`Material::GREY`], Ka as Kd, Ks and Ke black, Tf white, Ns 1, d 1, Ni 1, illum 2 with a Ks and 1 without.
+//! [`Material::GREY`] (white under a map_Kd), Ka as Kd, Ks and Ke black, Tf white, Ns 1, d 1, Ni 1, illum 2 with a Ks and
+//! 1 without.
 
 mod texture;
 
@@ -212,7 +213,7 @@ impl Definition {
 
     fn finish(self) -> NamedMaterial {
         let grey = Material::GREY;
-        let diffuse = self.diffuse.unwrap_or(grey.diffuse);
+        let diffuse = self.diffuse.unwrap_or(if self.map_kd.is_some() { [1.0; 3] } else { grey.diffuse });
         let specular = self.specular.unwrap_or(grey.specular);
         let shininess = self.shininess.map_or(grey.shininess, |ns| libm::round(ns) as u32);
         let opacity = self.dissolve.or(self.transparency.map(|tr| 1.0 - tr));

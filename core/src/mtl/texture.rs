@@ -131,13 +131,19 @@ fn read_numbers<'a>(
 ) -> &'a str {
     let mut rest = arguments;
     let mut values = [0.0f32; 3];
-    let mut count = 0;
+    let (mut count, mut is_finite) = (0, true);
     while count < most {
         let (word, behind) = split_keyword(rest);
-        let Some(value) = finite(word).filter(|x| (*x as f32).is_finite()) else { break };
-        values[count] = value as f32;
+        let Ok(value) = word.parse::<f32>() else { break };
+        is_finite &= value.is_finite();
+        values[count] = value;
         count += 1;
         rest = behind;
+    }
+    if !is_finite {
+        let numbers = quote(arguments[..arguments.len() - rest.len()].trim_end());
+        note(format!("{statement}: option {option} {numbers} is not finite in single precision; it is skipped"));
+        return rest;
     }
     if count == 0 {
         note(format!("{statement}: option {option} has no number; it is skipped"));

@@ -19,6 +19,7 @@ use std::collections::{HashMap, HashSet};
 use std::io::Read;
 
 use crate::Mesh;
+use crate::material::Material;
 use crate::mtl::{MOST_MATERIALS, Materials, NamedMaterial};
 use crate::text::{Notes, decode, path, quote};
 use crate::texture::Maps;
@@ -64,6 +65,13 @@ impl Model {
             uvs: &self.uvs,
             normals: &self.normals,
         }
+    }
+
+    /// The parameters of the materials, by id, for a scene that has colours of voxels or has none: without, no material is
+    /// [`textured`](Material::textured), as where all that a texture would colour is cut out or belongs to others.
+    pub fn palette(&self, has_colors: bool) -> impl Iterator<Item = Material> {
+        let materials = self.materials.iter().map(|named| named.material);
+        materials.map(move |material| Material { textured: has_colors && material.textured, ..material })
     }
 }
 

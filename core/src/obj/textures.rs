@@ -17,10 +17,10 @@ use crate::mtl::TextureMap;
 use crate::text::quote;
 use crate::texture::{DecodeError, Image, Maps, Texture};
 
-/// Pictures by their paths; `None` for those that cannot be had.
+/// Pictures by the folders of their libraries and their paths from there; `None` for those that cannot be had.
 struct Pictures<F> {
     find: F,
-    known: HashMap<String, Option<Arc<Image>>>,
+    known: HashMap<(String, String), Option<Arc<Image>>>,
     /// Bytes that pictures may still take.
     left: u64,
 }
@@ -80,6 +80,11 @@ impl Model {
     }
 }
 
+/// The folder of the library that names a picture, with the `/` behind it.
+fn folder(map: &TextureMap) -> &str {
+    map.library.rfind('/').map_or("", |end| &map.library[..=end])
+}
+
 /// What became of a texture.
 enum Found {
     Texture(Texture),
@@ -104,7 +109,8 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
             note(map, format!("{picture} is not used: the faces have no texture coordinates (vt)"));
             return Ok(Found::Useless);
         }
-        if !self.known.contains_key(&map.path) {
+        let key = (folder(map).to_owned(), map.path.clone());
+        if !self.known.contains_key(&key) {
             let image = match self.find(map) {
                 Ok(image) => {
                     self.left = self.left.saturating_sub(image.bytes());
@@ -116,9 +122,9 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
                     None
                 }
             };
-            self.known.insert(map.path.clone(), image);
+            self.known.insert(key.clone(), image);
         }
-        Ok(match &self.known[&map.path] {
+        Ok(match &self.known[&key] {
             Some(image) => Found::Texture(Texture::new(image.clone(), map.placement)),
             None => Found::Lost,
         })
@@ -126,7 +132,7 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
 
     /// Finds a picture, or says why it cannot.
     fn find(&mut self, map: &TextureMap) -> Result<Image, DecodeError> {
-        let folder = map.library.rfind('/').map_or("", |end| &map.library[..=end]);
+        let folder = folder(map);
         let name = map.path.rsplit('/').next().unwrap_or(&map.path);
         let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
         let found = places.iter().enumerate().find_map(|(i, place)| {

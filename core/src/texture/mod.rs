@@ -207,9 +207,9 @@ impl Texture {
         Texture { image, placement, light: Box::new(light) }
     }
 
-    /// Bytes that the picture takes.
-    pub fn bytes(&self) -> u64 {
-        self.image.bytes()
+    /// The picture, which other textures may show, too.
+    pub fn image(&self) -> &Arc<Image> {
+        &self.image
     }
 
     /// Texture coordinates in pixels of the picture, from its upper left corner. Those that are not finite are at 0.

@@ -27,6 +27,11 @@ struct Frame {
     octant: u8,
 }
 
+/// The first voxel of the brick at a cell of the subtree that begins at `base`.
+fn brick_of(base: [i64; 3], cell: [i32; 3]) -> [i64; 3] {
+    core::array::from_fn(|i| base[i] + i64::from(cell[i]))
+}
+
 impl Voxelizer<'_> {
     /// Voxelises one subtree: calls `sink` with each brick that holds a marked voxel, in Morton order.
     ///
@@ -73,8 +78,7 @@ impl Voxelizer<'_> {
                         Cover::Thin => crosshairs[at as usize].brick(cell),
                         Cover::Exact | Cover::Inflated => prisms[at as usize].brick(cell, open),
                     };
-                    let first = core::array::from_fn(|i| base[i] + i64::from(cell[i]));
-                    let marked = self.filled(list[at as usize], first, marked);
+                    let marked = self.filled(list[at as usize], brick_of(base, cell), marked);
                     if marked != 0 {
                         mask |= marked;
                         marks.push((list[at as usize], marked));
@@ -136,9 +140,10 @@ impl Voxelizer<'_> {
                 Verdict::Apart => return 0,
             }
         }
-        match self.cover {
+        let marked = match self.cover {
             Cover::Thin => Crosshair::new(&v, base).brick(cell),
             Cover::Exact | Cover::Inflated => prism.brick(cell, open),
-        }
+        };
+        self.filled(triangle, brick_of(base, cell), marked)
     }
 }
