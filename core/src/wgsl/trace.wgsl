@@ -1,0 +1,421 @@
+// The first filled voxel along the real line that six f32 describe: exactly, in 32-bit integers.
+//
+// A corner k of the lattice lies to one side of the line or the other: E = (k - o) x d, and the sign of its component along
+// z says whether the line crosses the plane x = k.x before y = k.y, and so on. E = k x d + m, where m = d x o is the same for
+// all corners (Pluecker's moment). All decisions are such signs. Origin and direction become 64-bit integers, their units
+// powers of two, m takes 128 bits, and f32 values decide wherever they are further from 0 than their errors.
+//
+// The ray is mirrored so that it runs towards +x, +y, +z. It goes from empty cube to empty cube of the octree; how far it is
+// on the other axes when it enters one is asked only as deep as the octree goes there. Of planes that are crossed at one time
+// those in positive direction come first, together, then those in negative direction, together.
+
+const VD_FOREVER: f32 = 3.4028234e38;
+
+// The side of entry. (A hit's normal is vd_face_normal.)
+const VD_NEG_X: u32 = 0u;
+const VD_POS_X: u32 = 1u;
+const VD_NEG_Y: u32 = 2u;
+const VD_POS_Y: u32 = 3u;
+const VD_NEG_Z: u32 = 4u;
+const VD_POS_Z: u32 = 5u;
+const VD_INSIDE: u32 = 6u;
+
+struct VdQuery {
+    // In grid coordinates: voxel k spans k to k + 1.
+    origin: vec3<f32>,
+    // Of any length; t is measured in units of it.
+    dir: vec3<f32>,
+    // Hits at or after it do not count.
+    t_max: f32,
+    // Starts in this empty voxel instead of where the origin lies, as rays do that leave a surface (VdHit.before); nowhere
+    // in particular if x is below 0.
+    start: vec3<i32>,
+}
+
+struct VdHit {
+    found: bool,
+    voxel: vec3<u32>,
+    // The last empty voxel before it; x is -1 if the ray starts in the hit or comes from outside the cube.
+    before: vec3<i32>,
+    // Entry, rounded; 0 if the ray starts inside.
+    t: f32,
+    face: u32,
+}
+
+// The half line from origin along dir.
+fn vd_query(origin: vec3<f32>, dir: vec3<f32>) -> VdQuery {
+    return VdQuery(origin, dir, VD_FOREVER, vec3(-1));
+}
+
+// The first filled voxel that the ray meets.
+fn vd_trace(query: VdQuery) -> VdHit {
+    var hit = VdHit(false, vec3(0u), vec3(-1), 0.0, VD_INSIDE);
+    var ray = vd_begin(query);
+    if !vd_walk(&ray) {
+        return hit;
+    }
+    hit.found = true;
+    let last = (1u << max(vd_scene.depth, 2u)) - 1u;
+    hit.voxel = select(ray.p, vec3(last) - ray.p, ray.negative);
+    if !any(ray.entered) {
+        return hit;
+    }
+
+    // The ray came in through the planes that it crossed last; the steepest of them gives the face.
+    let order = vd_sides(&ray, ray.p);
+    let crossed = (order.zxy >= vec3(0)) & (order.yzx <= vec3(0)) & (query.dir != vec3(0.0));
+    let steep = select(vec3(-1.0), abs(query.dir), crossed);
+    let axis = select(select(2u, 1u, steep.y >= steep.z), 0u, steep.x >= steep.y && steep.x >= steep.z);
+    hit.face = 2u * axis + u32(ray.negative[axis]);
+    hit.t = max(vd_time(&ray, ray.p, vec3<u32>(0u, 1u, 2u) == vec3(axis)), 0.0);
+    let step = select(vec3(0), select(vec3(-1), vec3(1), ray.negative), crossed);
+    let before = vec3<i32>(hit.voxel) + step;
+    if all(before >= vec3(0)) && all(before < vec3(1i << vd_scene.depth)) {
+        hit.before = before;
+    }
+    return hit;
+}
+
+// Whether the ray meets any filled voxel.
+fn vd_occluded(query: VdQuery) -> bool {
+    var ray = vd_begin(query);
+    return vd_walk(&ray);
+}
+
+// The outward normal of a side; 0 for VD_INSIDE.
+fn vd_face_normal(face: u32) -> vec3<f32> {
+    let side = select(-1.0, 1.0, (face & 1u) != 0u);
+    return select(vec3(0.0), vec3(side), vec3<u32>(0u, 1u, 2u) == vec3(face >> 1u));
+}
+
+// A ray, and where it is. All but the query is mirrored: on axes where it runs in negative direction, k stands for 2^L - k.
+struct VdRay {
+    query: VdQuery,
+    negative: vec3<bool>,
+    // |d| times a power of two that makes the largest component 2^62 to 2^63: low and high words.
+    dir_low: vec3<u32>,
+    dir_high: vec3<u32>,
+    // m = d x o by components, 128 bits; a unit is 2^-32 voxels times one of |d|.
+    moment_x: vec4<u32>,
+    moment_y: vec4<u32>,
+    moment_z: vec4<u32>,
+    // Both as f32, in units of 2^62 of |d|.
+    dir: vec3<f32>,
+    moment: vec3<f32>,
+    // The order of planes that are crossed at one time.
+    tie: vec3<i32>,
+    // The corner of the cube that it is in, and the level of the cube; nothing to do if that is above the root's.
+    p: vec3<u32>,
+    level: u32,
+    // One of the axes whose planes through p were crossed when it came in; none at the start.
+    entered: vec3<bool>,
+}
+
+// Numbers of 64 and 128 bits, low words first, that wrap around.
+
+fn vd_multiply(a: u32, b: u32) -> vec2<u32> {
+    let a0 = a & 0xffffu;
+    let a1 = a >> 16u;
+    let b0 = b & 0xffffu;
+    let b1 = b >> 16u;
+    let middle = a1 * b0 + ((a0 * b0) >> 16u);
+    let rest = a0 * b1 + (middle & 0xffffu);
+    return vec2(a * b, a1 * b1 + (middle >> 16u) + (rest >> 16u));
+}
+
+fn vd_add(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
+    let x = a.x + b.x;
+    let y = a.y + b.y;
+    let z = a.z + b.z;
+    let carry_y = u32(x < a.x);
+    let carry_z = u32(y < a.y) | u32(y + carry_y < y);
+    let carry_w = u32(z < a.z) | u32(z + carry_z < z);
+    return vec4(x, y + carry_y, z + carry_z, a.w + b.w + carry_w);
+}
+
+fn vd_negate(a: vec4<u32>) -> vec4<u32> {
+    return vd_add(~a, vec4(1u, 0u, 0u, 0u));
+}
+
+// A signed number of 64 bits times one of 63.
+fn vd_product(a: vec2<u32>, b: vec2<u32>) -> vec4<u32> {
+    let low = vd_multiply(a.x, b.x);
+    let left = vd_multiply(a.x, b.y);
+    let right = vd_multiply(a.y, b.x);
+    let high = vd_multiply(a.y, b.y);
+    var sum = vd_add(vec4(low, high), vec4(0u, left, 0u));
+    sum = vd_add(sum, vec4(0u, right, 0u));
+    if (a.y >> 31u) != 0u {
+        sum = vd_add(sum, vd_negate(vec4(0u, 0u, b)));
+    }
+    return sum;
+}
+
+// a << by for 0 to 31.
+fn vd_shift(a: vec4<u32>, by: u32) -> vec4<u32> {
+    if by == 0u {
+        return a;
+    }
+    let carry = a >> vec4(32u - by);
+    return (a << vec4(by)) | vec4(0u, carry.x, carry.y, carry.z);
+}
+
+// mantissa * 2^by in 64 bits, by -63 to 62; what would vanish is 1.
+fn vd_place(mantissa: u32, by: i32) -> vec2<u32> {
+    if mantissa == 0u {
+        return vec2(0u);
+    }
+    if by < 0 {
+        return vec2(max(select(mantissa >> u32(-by), 0u, by < -31), 1u), 0u);
+    }
+    let shifted = vd_shift(vec4(mantissa, 0u, 0u, 0u), u32(by) & 31u);
+    return select(shifted.xy, vec2(0u, shifted.x), by > 31);
+}
+
+// The query's ray in its first place.
+fn vd_begin(query: VdQuery) -> VdRay {
+    var ray: VdRay;
+    ray.query = query;
+    ray.level = 32u;
+    let top = max(vd_scene.depth, 2u);
+    let size = 1u << top;
+
+    // Take the floats apart: mantissa * 2^(exponent - 150). Infinite and NaN ones are no ray, nor is direction 0.
+    let origin_bits = bitcast<vec3<u32>>(query.origin);
+    let dir_bits = bitcast<vec3<u32>>(query.dir);
+    var origin_exponent = (origin_bits >> vec3(23u)) & vec3(255u);
+    var dir_exponent = (dir_bits >> vec3(23u)) & vec3(255u);
+    let normal_origin = select(vec3(0u), vec3(0x800000u), origin_exponent != vec3(0u));
+    let normal_dir = select(vec3(0u), vec3(0x800000u), dir_exponent != vec3(0u));
+    let origin_mantissa = (origin_bits & vec3(0x7fffffu)) | normal_origin;
+    let dir_mantissa = (dir_bits & vec3(0x7fffffu)) | normal_dir;
+    if any(max(origin_exponent, dir_exponent) == vec3(255u)) || all(dir_mantissa == vec3(0u)) {
+        return ray;
+    }
+    origin_exponent = max(origin_exponent, vec3(1u));
+    dir_exponent = max(dir_exponent, vec3(1u));
+    ray.negative = ((dir_bits >> vec3(31u)) != vec3(0u)) & (dir_mantissa != vec3(0u));
+    let later = vec3<i32>(ray.negative);
+    ray.tie = later.yzx - later.zxy;
+
+    // The direction in 63 bits.
+    let dir_top = vec3<i32>(dir_exponent) + firstLeadingBit(vec3<i32>(dir_mantissa));
+    let dir_lift = 62 - max(max(dir_top.x, dir_top.y), dir_top.z);
+    let dir_by = max(vec3<i32>(dir_exponent) + dir_lift, vec3(-63));
+    let dx = vd_place(dir_mantissa.x, dir_by.x);
+    let dy = vd_place(dir_mantissa.y, dir_by.y);
+    let dz = vd_place(dir_mantissa.z, dir_by.z);
+    ray.dir_low = vec3(dx.x, dy.x, dz.x);
+    ray.dir_high = vec3(dx.y, dy.y, dz.y);
+    ray.dir = vec3<f32>(ray.dir_high) * 0x1p-30f;
+
+    // The origin below 2^62, in units of 2^-32 voxels, or of more the farther away it is; mirrored.
+    let origin_top = vec3<i32>(origin_exponent) + firstLeadingBit(vec3<i32>(origin_mantissa));
+    let unit = min(211 - max(max(origin_top.x, origin_top.y), origin_top.z), 32);
+    if unit < 0 {
+        return ray;
+    }
+    let origin_by = max(vec3<i32>(origin_exponent) + vec3(unit - 150), vec3(-63));
+    let below = (origin_bits >> vec3(31u)) != vec3(0u);
+    let far = vd_shift(vec4(size, 0u, 0u, 0u), u32(unit) & 31u).xy;
+    let side = select(far, vec2(0u, size), unit == 32);
+    let ox = vd_mirror(vd_place(origin_mantissa.x, origin_by.x), below.x, ray.negative.x, side);
+    let oy = vd_mirror(vd_place(origin_mantissa.y, origin_by.y), below.y, ray.negative.y, side);
+    let oz = vd_mirror(vd_place(origin_mantissa.z, origin_by.z), below.z, ray.negative.z, side);
+
+    // The moment; a line on which it does not fit is far from the cube.
+    let up = u32(32 - unit);
+    let mx = vd_moment(vd_add(vd_product(oz, dy), vd_negate(vd_product(oy, dz))), up);
+    let my = vd_moment(vd_add(vd_product(ox, dz), vd_negate(vd_product(oz, dx))), up);
+    let mz = vd_moment(vd_add(vd_product(oy, dx), vd_negate(vd_product(ox, dy))), up);
+    if !(mx.fits && my.fits && mz.fits) {
+        return ray;
+    }
+    ray.moment_x = mx.value;
+    ray.moment_y = my.value;
+    ray.moment_z = mz.value;
+    let high = vec3<i32>(bitcast<i32>(mx.value.w), bitcast<i32>(my.value.w), bitcast<i32>(mz.value.w));
+    ray.moment = vec3<f32>(high) * 4.0 + vec3<f32>(vec3(mx.value.z, my.value.z, mz.value.z)) * 0x1p-30f;
+
+    // Start in a voxel: the one asked for, or the origin's. Beyond the cube there is none to be met.
+    if query.start.x >= 0 {
+        let start = vec3<u32>(query.start);
+        if all(start < vec3(size)) {
+            ray.p = select(start, vec3(size - 1u) - start, ray.negative);
+            ray.level = 0u;
+        }
+        return ray;
+    }
+    let cell = vec3<i32>(clamp(floor(query.origin), vec3(-1.0), vec3(f32(size))));
+    let first = select(cell, vec3(i32(size) - 1) - cell, ray.negative);
+    let outside = first < vec3(0);
+    if any(first >= vec3(i32(size))) || any(outside & (dir_mantissa == vec3(0u))) {
+        return ray;
+    }
+    if !any(outside) {
+        ray.p = vec3<u32>(first);
+        ray.level = 0u;
+        return ray;
+    }
+
+    // Or come in through the last of the cube's planes that face the ray, if that is before the first of the others.
+    let order = vd_sides(&ray, vec3(0u));
+    let last = outside & (!outside.yzx | (order.zxy >= vec3(0))) & (!outside.zxy | (order.yzx <= vec3(0)));
+    ray.entered = vd_one(last);
+    if !any(vd_crossed(&ray, size)) && vd_time(&ray, ray.p, ray.entered) < query.t_max {
+        ray.level = top;
+    }
+    return ray;
+}
+
+// A coordinate from its size and sign, mirrored in a cube of this side where the ray is.
+fn vd_mirror(size: vec2<u32>, below: bool, negative: bool, side: vec2<u32>) -> vec2<u32> {
+    let number = vec4(size, 0u, 0u);
+    let start = select(vec4(0u), vec4(side, 0u, 0u), negative);
+    return select(vd_add(start, vd_negate(number)), vd_add(start, number), below == negative).xy;
+}
+
+struct VdMoment {
+    value: vec4<u32>,
+    fits: bool,
+}
+
+// value << up for 0 to 32, and whether that is below 2^126.
+fn vd_moment(value: vec4<u32>, up: u32) -> VdMoment {
+    let whole = select(value, vec4(0u, value.xyz), up == 32u);
+    let shifted = vd_shift(whole, up & 31u);
+    let sign = bitcast<u32>(bitcast<i32>(value.w) >> 31u);
+    let lost = select(bitcast<u32>(bitcast<i32>(shifted.w) >> (up & 31u)) != value.w, value.w != sign || (value.z >> 31u) != (sign >> 31u), up == 32u);
+    return VdMoment(shifted, !lost && shifted.w + 0x40000000u < 0x80000000u);
+}
+
+// The first of the axes that are true.
+fn vd_one(axes: vec3<bool>) -> vec3<bool> {
+    return vec3(axes.x, axes.y && !axes.x, axes.z && !(axes.x || axes.y));
+}
+
+// For the planes through k, the signs of the times at which y is crossed less z, z less x, x less y.
+fn vd_sides(ray: ptr<function, VdRay>, k: vec3<u32>) -> vec3<i32> {
+    let dir = (*ray).dir;
+    let place = vec3<f32>(k);
+    let plus = place.yzx * dir.zxy;
+    let minus = place.zxy * dir.yzx;
+    let value = (*ray).moment + (plus - minus);
+    // Five roundings, each by at most a unit in the last place, and what was cut off beforehand.
+    let slack = (abs((*ray).moment) + plus + minus) * 0x1.4p-21f + (max(max(place.x, place.y), place.z) * 0x1p-28f + 0x1p-20f);
+    var sides = vec3<i32>(sign(value));
+    let close = abs(value) <= slack;
+    if any(close) {
+        let dx = vec2((*ray).dir_low.x, (*ray).dir_high.x);
+        let dy = vec2((*ray).dir_low.y, (*ray).dir_high.y);
+        let dz = vec2((*ray).dir_low.z, (*ray).dir_high.z);
+        if close.x {
+            sides.x = vd_side((*ray).moment_x, k.y, dz, k.z, dy, (*ray).tie.x);
+        }
+        if close.y {
+            sides.y = vd_side((*ray).moment_y, k.z, dx, k.x, dz, (*ray).tie.y);
+        }
+        if close.z {
+            sides.z = vd_side((*ray).moment_z, k.x, dy, k.y, dx, (*ray).tie.z);
+        }
+    }
+    return sides;
+}
+
+// The sign of moment + k1 * d2 - k2 * d1, or what stands for 0.
+fn vd_side(moment: vec4<u32>, k1: u32, d2: vec2<u32>, k2: u32, d1: vec2<u32>, tie: i32) -> i32 {
+    let plus = vd_add(vec4(0u, vd_multiply(k1, d2.x), 0u), vec4(0u, 0u, vd_multiply(k1, d2.y)));
+    let minus = vd_add(vec4(0u, vd_multiply(k2, d1.x), 0u), vec4(0u, 0u, vd_multiply(k2, d1.y)));
+    let sum = vd_add(vd_add(moment, plus), vd_negate(minus));
+    if all(sum == vec4(0u)) {
+        return tie;
+    }
+    return select(1, -1, (sum.w >> 31u) != 0u);
+}
+
+// Whether the planes half a cube further on are crossed by the time the ray came in.
+fn vd_crossed(ray: ptr<function, VdRay>, half: u32) -> vec3<bool> {
+    let entered = (*ray).entered;
+    let order = vd_sides(ray, (*ray).p + select(vec3(half), vec3(0u), entered));
+    return (entered.zxy & (order.yzx >= vec3(0))) | (entered.yzx & (order.zxy <= vec3(0)));
+}
+
+// When the ray crosses the plane through k of one axis, rounded.
+fn vd_time(ray: ptr<function, VdRay>, k: vec3<u32>, axis: vec3<bool>) -> f32 {
+    let size = 1u << max(vd_scene.depth, 2u);
+    let plane = vec3<f32>(select(k, vec3(size) - k, (*ray).negative));
+    let way = dot(select(vec3(0.0), plane - (*ray).query.origin, axis), vec3(1.0));
+    return way / dot(select(vec3(0.0), (*ray).query.dir, axis), vec3(1.0));
+}
+
+// Goes on to the first filled voxel; false if there is none.
+fn vd_walk(ray: ptr<function, VdRay>) -> bool {
+    let top = max(vd_scene.depth, 2u);
+    if vd_scene.root == 0u || (*ray).level > top {
+        return false;
+    }
+    let size = 1u << top;
+    let mirror = vec3<u32>((*ray).negative);
+    // What was found on the way down: offsets of nodes and of a brick, and at level 1 the bits of 2^3 voxels.
+    var nodes: array<u32, 22>;
+    var level = top;
+    var node = vd_scene.root;
+    nodes[level] = node;
+
+    // Each plane is crossed once, and gone down behind at most as deep as it lies: no ray takes more steps than this.
+    let most = 9u * size + 32u;
+    for (var i = 0u; i < most; i++) {
+        // In which half of the node's cube is the ray, on each axis?
+        let half = 1u << (level - 1u);
+        if (*ray).level == level {
+            (*ray).p += select(vec3(0u), vec3(half), vd_crossed(ray, half));
+            (*ray).level = level - 1u;
+        }
+        let bits = (((*ray).p >> vec3(level - 1u)) & vec3(1u)) ^ mirror;
+        let octant = bits.x | (bits.y << 1u) | (bits.z << 2u);
+
+        // What is there?
+        var child = 0u;
+        if level > 2u {
+            let at = vd_scene.dag + node;
+            let mask = vd_words[at];
+            if ((mask >> octant) & 1u) != 0u {
+                child = vd_words[at + 1u + countOneBits(mask & ((1u << octant) - 1u))];
+            }
+        } else if level == 2u {
+            child = (vd_words[vd_scene.dag + node + (octant >> 2u)] >> (8u * (octant & 3u))) & 255u;
+        } else {
+            child = (node >> octant) & 1u;
+        }
+        if child != 0u {
+            if level == 1u {
+                return true;
+            }
+            level -= 1u;
+            node = child;
+            nodes[level] = node;
+            continue;
+        }
+
+        // Leave the empty cube through the planes that come first.
+        let corner = (*ray).p & vec3(~(half - 1u));
+        let far = corner + vec3(half);
+        let order = vd_sides(ray, far);
+        let first = (order.zxy <= vec3(0)) & (order.yzx >= vec3(0));
+        let next = select(corner, far, first);
+        (*ray).entered = vd_one(first);
+        (*ray).p = next;
+        (*ray).level = level - 1u;
+        if ((next.x | next.y | next.z) & size) != 0u {
+            return false;
+        }
+        if (*ray).query.t_max < VD_FOREVER && vd_time(ray, next, (*ray).entered) >= (*ray).query.t_max {
+            return false;
+        }
+        // The smallest cube that holds both is still known.
+        let changed = corner ^ next;
+        level = firstLeadingBit(changed.x | changed.y | changed.z) + 1u;
+        node = nodes[level];
+    }
+    return false;
+}
