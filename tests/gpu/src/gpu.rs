@@ -11,7 +11,8 @@ pub struct Gpu {
     device: wgpu::Device,
     queue: wgpu::Queue,
     module: wgpu::ShaderModule,
-    pub largest: u64,
+    /// The software adapter of Mesa.
+    pub is_llvmpipe: bool,
 }
 
 /// A scene in the adapter's memory.
@@ -62,7 +63,7 @@ impl Gpu {
             source: wgpu::ShaderSource::Wgsl(source.into()),
         });
         let name = format!("{} ({:?}, {} {})", info.name, info.device_type, info.driver, info.driver_info);
-        Ok(Gpu { name, device, queue, module, largest: limits.max_storage_buffer_binding_size })
+        Ok(Gpu { name, device, queue, module, is_llvmpipe: info.driver == "llvmpipe" })
     }
 
     /// Uploads a scene's words as they are, and its uniform.

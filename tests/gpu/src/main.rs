@@ -2,6 +2,8 @@
 //! there is no adapter although `VOXDAG_GPU=required` says that there must be one.
 
 mod gpu;
+mod looks;
+mod picture;
 mod rays;
 
 use std::process::ExitCode;
@@ -28,12 +30,11 @@ fn main() -> ExitCode {
     };
     println!("{}", gpu.name);
     let start = std::time::Instant::now();
-    let pipeline = gpu.pipeline("ask_rays");
-    println!("pipeline: {:.1} s", start.elapsed().as_secs_f64());
     let count = |name: &str, default: usize| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
-    let mut wrong = 0;
-    for depth in [3, 4, 8, 10, 13, 16, 21] {
-        wrong += rays::check(&gpu, &pipeline, depth, count("RAYS", 1000), count("JUDGED", 50));
+    let mut wrong = looks::check(&gpu) + picture::check(&gpu);
+    println!("{}", rays::HEAD);
+    for depth in std::env::var("DEPTHS").map_or(vec![3, 4, 8, 10, 13, 16, 21], |d| d.split(',').map(|d| d.parse().unwrap()).collect()) {
+        wrong += rays::check(&gpu, depth, count("RAYS", 1000), count("JUDGED", 50));
     }
     println!("{:.1} s", start.elapsed().as_secs_f64());
     ExitCode::from(u8::from(wrong > 0))
