@@ -1,9 +1,9 @@
 //! Rays on a graphics card: WGSL that reads a scene's words as they are, and the numbers that it needs to find its way.
 //!
 //! In: a checked `.vxd` file or DAG. Out: [`SOURCE`], to be put before a host's own shader, and the words of the uniform
-//! `vd_scene`. The words go into one storage buffer, unchanged. Only 32-bit integers and f32 are used; the walk is decided
-//! by integers, so hits are those of [`Tracer`](crate::trace::Tracer) for the same six f32, on any card. How to bind and
-//! call it, what it costs and where it ends: docs/gpu.md.
+//! `vd_scene`. The scene's words go into one storage buffer, unchanged. Integers of 32 bits decide the walk, so that hits are
+//! those of [`Tracer`](crate::trace::Tracer) for the same six f32, on any card. How to bind and call it, what it costs and
+//! where it ends: docs/gpu.md.
 //!
 //! ```text
 //! group(0) binding(0)  storage, read   vd_words: array<u32>    a file's words, or a DAG's
@@ -23,6 +23,8 @@ use crate::materials::AnyMaterials;
 /// with `vd_`, `Vd` or `VD_`.
 pub const SOURCE: &str = concat!(
     include_str!("scene.wgsl"),
+    "\n",
+    include_str!("integer.wgsl"),
     "\n",
     include_str!("trace.wgsl"),
     "\n",

@@ -1,7 +1,7 @@
 // The surface's direction at a hit: the plane through the 5^3 voxels around (voxdag::normal, NormalKind::Plane2).
 //
-// The same cases as there, decided by the same integers as far as they fit 32 bits; the smallest eigenvalue and what follows
-// from it are f32.
+// The same cases as there, decided by the same integers as far as they fit 32 bits; the smallest eigenvalue and what
+// follows from it are f32.
 
 // The unit normal at a hit of a ray along dir (of any length); a unit vector, whatever is asked.
 fn vd_normal(hit: VdHit, dir: vec3<f32>) -> vec3<f32> {
@@ -44,8 +44,8 @@ fn vd_from(axis: u32, at: u32) -> vec2<u32> {
 }
 
 // The voxels of the window along an axis that lie in its first brick, which they enter at `at`, or in the next one.
-fn vd_part(axis: u32, at: u32, next: bool) -> vec2<u32> {
-    return select(vd_from(axis, at), ~vd_from(axis, at + 1u), next);
+fn vd_part(axis: u32, at: u32, next: u32) -> vec2<u32> {
+    return select(vd_from(axis, at), ~vd_from(axis, at + 1u), next != 0u);
 }
 
 fn vd_window(center: vec3<i32>) -> VdWindow {
@@ -56,13 +56,13 @@ fn vd_window(center: vec3<i32>) -> VdWindow {
     for (var i = 0u; i < 8u; i++) {
         let next = vec3<u32>(i & 1u, (i >> 1u) & 1u, i >> 2u);
         let first = (corner & vec3(-4)) + vec3<i32>(4u * next);
-        let part = vd_part(0u, at.x, next.x != 0u) & vd_part(1u, at.y, next.y != 0u) & vd_part(2u, at.z, next.z != 0u);
+        let part = vd_part(0u, at.x, next.x) & vd_part(1u, at.y, next.y) & vd_part(2u, at.z, next.z);
         let brick = vd_brick(first) & part;
         for (var word = 0u; word < 2u; word++) {
             for (var left = brick[word]; left != 0u; left &= left - 1u) {
                 let bit = countTrailingZeros(left) + 32u * word;
-                let place = vec3<u32>(
-                    (bit & 1u) | ((bit >> 2u) & 2u), ((bit >> 1u) & 1u) | ((bit >> 3u) & 2u), ((bit >> 2u) & 1u) | ((bit >> 4u) & 2u));
+                let axes = vec3(bit) >> vec3(0u, 1u, 2u);
+                let place = (axes & vec3(1u)) | ((axes >> vec3(2u)) & vec3(2u));
                 let r = first + vec3<i32>(place) - center;
                 window.count += 1;
                 window.first += r;

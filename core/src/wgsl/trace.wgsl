@@ -1,13 +1,14 @@
 // The first filled voxel along the real line that six f32 describe: exactly, in 32-bit integers.
 //
-// A corner k of the lattice lies to one side of the line or the other: E = (k - o) x d, and the sign of its component along
-// z says whether the line crosses the plane x = k.x before y = k.y, and so on. E = k x d + m, where m = d x o is the same for
-// all corners (Pluecker's moment). All decisions are such signs. Origin and direction become 64-bit integers, their units
-// powers of two, m takes 128 bits, and f32 values decide wherever they are further from 0 than their errors.
+// A corner k of the lattice lies to one side of the line or the other: E = (k - o) x d, and the sign of its z says whether
+// the line crosses the plane x = k.x before y = k.y, and so on. E = k x d + m, where m = d x o is the same for all corners
+// (the line's Pluecker coordinates are d and m). All decisions are such signs. Origin and direction become 64-bit integers,
+// their units powers of two, m takes 128 bits, and f32 decides wherever it is further from 0 than its error.
 //
-// The ray is mirrored so that it runs towards +x, +y, +z. It goes from empty cube to empty cube of the octree; how far it is
-// on the other axes when it enters one is asked only as deep as the octree goes there. Of planes that are crossed at one time
-// those in positive direction come first, together, then those in negative direction, together.
+// The ray is mirrored so that it runs towards +x, +y, +z. It goes from empty cube to empty cube of the octree; how far it
+// is on the other axes when it enters one is asked only as deep as the octree goes there (as Laine and Karras do, 2010). Of
+// planes that are crossed at one time those in positive direction come first, together, then those in negative direction,
+// together.
 
 const VD_FOREVER: f32 = 3.4028234e38;
 
@@ -27,8 +28,8 @@ struct VdQuery {
     dir: vec3<f32>,
     // Hits at or after it do not count.
     t_max: f32,
-    // Starts in this empty voxel instead of where the origin lies, as rays do that leave a surface (VdHit.before); nowhere
-    // in particular if x is below 0.
+    // Starts in this empty voxel instead of where the origin lies, as rays do that leave a surface (VdHit.before); x is
+    // below 0 for none.
     start: vec3<i32>,
 }
 
@@ -63,7 +64,8 @@ fn vd_trace(query: VdQuery) -> VdHit {
 
     // The ray came in through the planes that it crossed last; the steepest of them gives the face.
     let order = vd_sides(&ray, ray.p);
-    let crossed = (order.zxy >= vec3(0)) & (order.yzx <= vec3(0)) & (query.dir != vec3(0.0));
+    let moves = (ray.dir_low | ray.dir_high) != vec3(0u);
+    let crossed = (order.zxy >= vec3(0)) & (order.yzx <= vec3(0)) & moves;
     let steep = select(vec3(-1.0), abs(query.dir), crossed);
     let axis = select(select(2u, 1u, steep.y >= steep.z), 0u, steep.x >= steep.y && steep.x >= steep.z);
     hit.face = 2u * axis + u32(ray.negative[axis]);
@@ -104,72 +106,11 @@ struct VdRay {
     moment: vec3<f32>,
     // The order of planes that are crossed at one time.
     tie: vec3<i32>,
-    // The corner of the cube that it is in, and the level of the cube; nothing to do if that is above the root's.
+    // The corner of the cube that it is in, and the level of the cube; above the root's if it meets nothing.
     p: vec3<u32>,
     level: u32,
     // One of the axes whose planes through p were crossed when it came in; none at the start.
     entered: vec3<bool>,
-}
-
-// Numbers of 64 and 128 bits, low words first, that wrap around.
-
-fn vd_multiply(a: u32, b: u32) -> vec2<u32> {
-    let a0 = a & 0xffffu;
-    let a1 = a >> 16u;
-    let b0 = b & 0xffffu;
-    let b1 = b >> 16u;
-    let middle = a1 * b0 + ((a0 * b0) >> 16u);
-    let rest = a0 * b1 + (middle & 0xffffu);
-    return vec2(a * b, a1 * b1 + (middle >> 16u) + (rest >> 16u));
-}
-
-fn vd_add(a: vec4<u32>, b: vec4<u32>) -> vec4<u32> {
-    let x = a.x + b.x;
-    let y = a.y + b.y;
-    let z = a.z + b.z;
-    let carry_y = u32(x < a.x);
-    let carry_z = u32(y < a.y) | u32(y + carry_y < y);
-    let carry_w = u32(z < a.z) | u32(z + carry_z < z);
-    return vec4(x, y + carry_y, z + carry_z, a.w + b.w + carry_w);
-}
-
-fn vd_negate(a: vec4<u32>) -> vec4<u32> {
-    return vd_add(~a, vec4(1u, 0u, 0u, 0u));
-}
-
-// A signed number of 64 bits times one of 63.
-fn vd_product(a: vec2<u32>, b: vec2<u32>) -> vec4<u32> {
-    let low = vd_multiply(a.x, b.x);
-    let left = vd_multiply(a.x, b.y);
-    let right = vd_multiply(a.y, b.x);
-    let high = vd_multiply(a.y, b.y);
-    var sum = vd_add(vec4(low, high), vec4(0u, left, 0u));
-    sum = vd_add(sum, vec4(0u, right, 0u));
-    if (a.y >> 31u) != 0u {
-        sum = vd_add(sum, vd_negate(vec4(0u, 0u, b)));
-    }
-    return sum;
-}
-
-// a << by for 0 to 31.
-fn vd_shift(a: vec4<u32>, by: u32) -> vec4<u32> {
-    if by == 0u {
-        return a;
-    }
-    let carry = a >> vec4(32u - by);
-    return (a << vec4(by)) | vec4(0u, carry.x, carry.y, carry.z);
-}
-
-// mantissa * 2^by in 64 bits, by -63 to 62; what would vanish is 1.
-fn vd_place(mantissa: u32, by: i32) -> vec2<u32> {
-    if mantissa == 0u {
-        return vec2(0u);
-    }
-    if by < 0 {
-        return vec2(max(select(mantissa >> u32(-by), 0u, by < -31), 1u), 0u);
-    }
-    let shifted = vd_shift(vec4(mantissa, 0u, 0u, 0u), u32(by) & 31u);
-    return select(shifted.xy, vec2(0u, shifted.x), by > 31);
 }
 
 // The query's ray in its first place.
@@ -262,31 +203,10 @@ fn vd_begin(query: VdQuery) -> VdRay {
     let order = vd_sides(&ray, vec3(0u));
     let last = outside & (!outside.yzx | (order.zxy >= vec3(0))) & (!outside.zxy | (order.yzx <= vec3(0)));
     ray.entered = vd_one(last);
-    if !any(vd_crossed(&ray, size)) && vd_time(&ray, ray.p, ray.entered) < query.t_max {
+    if !any(vd_crossed(&ray, size)) && !vd_ends(&ray) {
         ray.level = top;
     }
     return ray;
-}
-
-// A coordinate from its size and sign, mirrored in a cube of this side where the ray is.
-fn vd_mirror(size: vec2<u32>, below: bool, negative: bool, side: vec2<u32>) -> vec2<u32> {
-    let number = vec4(size, 0u, 0u);
-    let start = select(vec4(0u), vec4(side, 0u, 0u), negative);
-    return select(vd_add(start, vd_negate(number)), vd_add(start, number), below == negative).xy;
-}
-
-struct VdMoment {
-    value: vec4<u32>,
-    fits: bool,
-}
-
-// value << up for 0 to 32, and whether that is below 2^126.
-fn vd_moment(value: vec4<u32>, up: u32) -> VdMoment {
-    let whole = select(value, vec4(0u, value.xyz), up == 32u);
-    let shifted = vd_shift(whole, up & 31u);
-    let sign = bitcast<u32>(bitcast<i32>(value.w) >> 31u);
-    let lost = select(bitcast<u32>(bitcast<i32>(shifted.w) >> (up & 31u)) != value.w, value.w != sign || (value.z >> 31u) != (sign >> 31u), up == 32u);
-    return VdMoment(shifted, !lost && shifted.w + 0x40000000u < 0x80000000u);
 }
 
 // The first of the axes that are true.
@@ -302,7 +222,8 @@ fn vd_sides(ray: ptr<function, VdRay>, k: vec3<u32>) -> vec3<i32> {
     let minus = place.zxy * dir.yzx;
     let value = (*ray).moment + (plus - minus);
     // Five roundings, each by at most a unit in the last place, and what was cut off beforehand.
-    let slack = (abs((*ray).moment) + plus + minus) * 0x1.4p-21f + (max(max(place.x, place.y), place.z) * 0x1p-28f + 0x1p-20f);
+    let cut = max(max(place.x, place.y), place.z) * 0x1p-28f + 0x1p-20f;
+    let slack = (abs((*ray).moment) + plus + minus) * 0x1.4p-21f + cut;
     var sides = vec3<i32>(sign(value));
     let close = abs(value) <= slack;
     if any(close) {
@@ -322,17 +243,6 @@ fn vd_sides(ray: ptr<function, VdRay>, k: vec3<u32>) -> vec3<i32> {
     return sides;
 }
 
-// The sign of moment + k1 * d2 - k2 * d1, or what stands for 0.
-fn vd_side(moment: vec4<u32>, k1: u32, d2: vec2<u32>, k2: u32, d1: vec2<u32>, tie: i32) -> i32 {
-    let plus = vd_add(vec4(0u, vd_multiply(k1, d2.x), 0u), vec4(0u, 0u, vd_multiply(k1, d2.y)));
-    let minus = vd_add(vec4(0u, vd_multiply(k2, d1.x), 0u), vec4(0u, 0u, vd_multiply(k2, d1.y)));
-    let sum = vd_add(vd_add(moment, plus), vd_negate(minus));
-    if all(sum == vec4(0u)) {
-        return tie;
-    }
-    return select(1, -1, (sum.w >> 31u) != 0u);
-}
-
 // Whether the planes half a cube further on are crossed by the time the ray came in.
 fn vd_crossed(ray: ptr<function, VdRay>, half: u32) -> vec3<bool> {
     let entered = (*ray).entered;
@@ -346,6 +256,12 @@ fn vd_time(ray: ptr<function, VdRay>, k: vec3<u32>, axis: vec3<bool>) -> f32 {
     let plane = vec3<f32>(select(k, vec3(size) - k, (*ray).negative));
     let way = dot(select(vec3(0.0), plane - (*ray).query.origin, axis), vec3(1.0));
     return way / dot(select(vec3(0.0), (*ray).query.dir, axis), vec3(1.0));
+}
+
+// Whether it came in at t_max or later.
+fn vd_ends(ray: ptr<function, VdRay>) -> bool {
+    let t_max = (*ray).query.t_max;
+    return t_max < VD_FOREVER && vd_time(ray, (*ray).p, (*ray).entered) >= t_max;
 }
 
 // Goes on to the first filled voxel; false if there is none.
@@ -409,7 +325,7 @@ fn vd_walk(ray: ptr<function, VdRay>) -> bool {
         if ((next.x | next.y | next.z) & size) != 0u {
             return false;
         }
-        if (*ray).query.t_max < VD_FOREVER && vd_time(ray, next, (*ray).entered) >= (*ray).query.t_max {
+        if vd_ends(ray) {
             return false;
         }
         // The smallest cube that holds both is still known.

@@ -68,10 +68,7 @@ impl Gpu {
 
     /// Uploads a scene's words as they are, and its uniform.
     pub fn scene(&self, words: &[u32], uniform: &[u32]) -> Scene {
-        Scene {
-            words: self.buffer(words, BufferUsages::STORAGE),
-            uniform: self.buffer(uniform, BufferUsages::UNIFORM),
-        }
+        Scene { words: self.buffer(words, BufferUsages::STORAGE), uniform: self.buffer(uniform, BufferUsages::UNIFORM) }
     }
 
     /// An entry point of the shader.

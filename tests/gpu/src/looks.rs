@@ -27,7 +27,8 @@ pub fn check(gpu: &Gpu) -> u64 {
         let map: BTreeMap<u64, u16> = (0..voxels)
             .map(|_| {
                 let v = [(); 3].map(|()| rng.below(1 << depth) as u32);
-                let id = if noise { rng.below(ids) as u16 } else { ((v[0] + 2 * v[1]) / 8 * 12347 % ids as u32) as u16 };
+                let id =
+                    if noise { rng.below(ids) as u16 } else { ((v[0] + 2 * v[1]) / 8 * 12347 % ids as u32) as u16 };
                 (Morton::encode(v).expect("within the cube").0, id)
             })
             .collect();

@@ -1,5 +1,5 @@
-//! The shader on whatever adapter there is, against the exact tracer and the oracles. Exit code 1 if anything differs, or if
-//! there is no adapter although `VOXDAG_GPU=required` says that there must be one.
+//! The shader on whatever adapter there is, against the exact tracer and the oracles. Exit code 1 if anything differs, or
+//! if there is no adapter although `VOXDAG_GPU=required` says that there must be one. `--long`: ten times as many rays.
 
 mod gpu;
 mod looks;
@@ -7,35 +7,28 @@ mod picture;
 mod rays;
 
 use std::process::ExitCode;
+use std::time::Instant;
 
 use gpu::Gpu;
 
-fn source() -> String {
-    if let Ok(dir) = std::env::var("DEV_WGSL") {
-        let read = |name: &str| std::fs::read_to_string(format!("{dir}/{name}.wgsl")).unwrap();
-        let all: Vec<String> = ["scene", "trace", "normal", "material", "picture"].map(read).into();
-        return format!("{}\n{}", all.join("\n"), std::fs::read_to_string(format!("{}/src/probe.wgsl", env!("CARGO_MANIFEST_DIR"))).unwrap());
-    }
-    [voxdag::wgsl::SOURCE, voxdag::wgsl::PICTURE, include_str!("probe.wgsl")].join("\n")
-}
-
 fn main() -> ExitCode {
-    let gpu = match Gpu::new(&source()) {
+    let source = [voxdag::wgsl::SOURCE, voxdag::wgsl::PICTURE, include_str!("probe.wgsl")].join("\n");
+    let gpu = match Gpu::new(&source) {
         Ok(gpu) => gpu,
         Err(why) => {
             println!("SKIPPED: no adapter: {why}");
-            let required = std::env::var("VOXDAG_GPU").is_ok_and(|value| value == "required");
-            return ExitCode::from(u8::from(required));
+            return ExitCode::from(u8::from(std::env::var("VOXDAG_GPU").is_ok_and(|value| value == "required")));
         }
     };
-    println!("{}", gpu.name);
-    let start = std::time::Instant::now();
-    let count = |name: &str, default: usize| std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default);
+    println!("{}\n", gpu.name);
+    let start = Instant::now();
+    let times = if std::env::args().any(|argument| argument == "--long") { 10 } else { 1 };
     let mut wrong = looks::check(&gpu) + picture::check(&gpu);
-    println!("{}", rays::HEAD);
-    for depth in std::env::var("DEPTHS").map_or(vec![3, 4, 8, 10, 13, 16, 21], |d| d.split(',').map(|d| d.parse().unwrap()).collect()) {
-        wrong += rays::check(&gpu, depth, count("RAYS", 1000), count("JUDGED", 50));
+    wrong += rays::check_leaving(&gpu, 10, 5000 * times) + rays::check_noise(&gpu) + rays::check_garbage(&gpu);
+    println!("\n{}", rays::HEAD);
+    for depth in [3, 4, 8, 10, 13, 16, 21] {
+        wrong += rays::check(&gpu, depth, 2000 * times, 50 * times);
     }
-    println!("{:.1} s", start.elapsed().as_secs_f64());
+    println!("\n{wrong} wrong, {:.0} s", start.elapsed().as_secs_f64());
     ExitCode::from(u8::from(wrong > 0))
 }

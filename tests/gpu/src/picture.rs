@@ -18,14 +18,15 @@ const LEAST_PSNR: f64 = 50.0;
 pub fn check(gpu: &Gpu) -> u64 {
     let words = hall(512);
     let scene = file::read(&words).expect("as written");
-    let camera = Camera { eye: [6.5, 3.2, 13.0], target: [0.0, 2.0, 0.0], ..Camera::framing(&scene.bounds, scene.up) };
+    let demo::DemoView { eye, target, up, fov_y, .. } = demo::view();
+    let camera = Camera { eye, target, up, fov_y };
     let lights = [camera.headlight(scene.bounds.radius() / 8.0)];
     let settings = Settings { width: SIZE[0], height: SIZE[1], effects: Effects::PHONG, ..Settings::default() };
     let palette: Vec<Material> = (0..scene.material_count()).map(|id| scene.material(id as u16)).collect();
 
     let uniform = wgsl::scene(&words).expect("a DAG and a tree");
     let uploaded = gpu.scene(&words, &uniform);
-    let place = voxdag::grid::Grid::to_grid(&scene.grid, camera.eye);
+    let place = scene.grid.to_grid(camera.eye);
     let rays = camera.rays(SIZE[0], SIZE[1]).expect("a camera");
     let [corner, right, below] = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| rays.direction(x, y));
     let light = match lights[0].kind {
@@ -52,10 +53,9 @@ pub fn check(gpu: &Gpu) -> u64 {
     let mut expected = vec![0; count];
     let counters = render_rows(&view, &settings, 0..SIZE[1], &mut expected).expect("a picture");
     let (psnr, most, different) = compare(&expected, &pixels);
-    println!(
-        "picture of {} x {} pixels, {} of them hits: {psnr:.1} dB, {different} pixels differ, by at most {most} of 255; {seconds:.2} s\n",
-        SIZE[0], SIZE[1], counters.hits
-    );
+    let [width, height] = SIZE;
+    println!("picture of {width} x {height} pixels, {} of them hits, in {seconds:.2} s:", counters.hits);
+    println!("  {psnr:.1} dB from the core's; {different} pixels differ, by at most {most} of 255\n");
     if let Ok(path) = std::env::var("VOXDAG_GPU_PICTURE") {
         let save = |name: &str, pixels: &[u32]| {
             let mut text = format!("P6 {} {} 255\n", SIZE[0], SIZE[1]).into_bytes();
