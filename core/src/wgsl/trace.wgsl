@@ -64,8 +64,7 @@ fn vd_trace(query: VdQuery) -> VdHit {
 
     // The ray came in through the planes that it crossed last; the steepest of them gives the face.
     let order = vd_sides(&ray, ray.p);
-    let moves = (ray.dir_low | ray.dir_high) != vec3(0u);
-    let crossed = (order.zxy >= vec3(0)) & (order.yzx <= vec3(0)) & moves;
+    let crossed = (order.zxy >= vec3(0)) & (order.yzx <= vec3(0)) & ray.moves;
     let steep = select(vec3(-1.0), abs(query.dir), crossed);
     let axis = select(select(2u, 1u, steep.y >= steep.z), 0u, steep.x >= steep.y && steep.x >= steep.z);
     hit.face = 2u * axis + u32(ray.negative[axis]);
@@ -93,6 +92,8 @@ fn vd_face_normal(face: u32) -> vec3<f32> {
 // A ray, and where it is. All but the query is mirrored: on axes where it runs in negative direction, k stands for 2^L - k.
 struct VdRay {
     query: VdQuery,
+    // Along which axes it moves at all, and in negative direction.
+    moves: vec3<bool>,
     negative: vec3<bool>,
     // |d| times a power of two that makes the largest component 2^62 to 2^63: low and high words.
     dir_low: vec3<u32>,
@@ -135,7 +136,8 @@ fn vd_begin(query: VdQuery) -> VdRay {
     }
     origin_exponent = max(origin_exponent, vec3(1u));
     dir_exponent = max(dir_exponent, vec3(1u));
-    ray.negative = ((dir_bits >> vec3(31u)) != vec3(0u)) & (dir_mantissa != vec3(0u));
+    ray.moves = dir_mantissa != vec3(0u);
+    ray.negative = ((dir_bits >> vec3(31u)) != vec3(0u)) & ray.moves;
     let later = vec3<i32>(ray.negative);
     ray.tie = later.yzx - later.zxy;
 
@@ -190,7 +192,7 @@ fn vd_begin(query: VdQuery) -> VdRay {
     let cell = vec3<i32>(clamp(floor(query.origin), vec3(-1.0), vec3(f32(size))));
     let first = select(cell, vec3(i32(size) - 1) - cell, ray.negative);
     let outside = first < vec3(0);
-    if any(first >= vec3(i32(size))) || any(outside & (dir_mantissa == vec3(0u))) {
+    if any(first >= vec3(i32(size))) || any(outside & !ray.moves) {
         return ray;
     }
     if !any(outside) {
@@ -225,7 +227,9 @@ fn vd_sides(ray: ptr<function, VdRay>, k: vec3<u32>) -> vec3<i32> {
     let cut = max(max(place.x, place.y), place.z) * 0x1p-28f + 0x1p-20f;
     let slack = (abs((*ray).moment) + plus + minus) * 0x1.4p-21f + cut;
     var sides = vec3<i32>(sign(value));
-    let close = abs(value) <= slack;
+    // Of two planes that the ray never comes to, neither is first.
+    let moves = (*ray).moves;
+    let close = (abs(value) <= slack) & (moves.yzx | moves.zxy);
     if any(close) {
         let dx = vec2((*ray).dir_low.x, (*ray).dir_high.x);
         let dy = vec2((*ray).dir_low.y, (*ray).dir_high.y);
