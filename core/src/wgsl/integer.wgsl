@@ -47,6 +47,26 @@ fn vd_shift(a: vec4<u32>, by: u32) -> vec4<u32> {
     return (a << vec4(by)) | vec4(0u, carry.x, carry.y, carry.z);
 }
 
+// Three floats taken apart: mantissa * 2^exponent. The largest is at least 2^top and below 2^(top + 1).
+struct VdFloats {
+    mantissa: vec3<u32>,
+    exponent: vec3<i32>,
+    below: vec3<bool>,
+    finite: bool,
+    top: i32,
+}
+
+fn vd_floats(v: vec3<f32>) -> VdFloats {
+    let bits = bitcast<vec3<u32>>(v);
+    let exponent = (bits >> vec3(23u)) & vec3(255u);
+    let whole = select(vec3(0u), vec3(0x800000u), exponent != vec3(0u));
+    let mantissa = (bits & vec3(0x7fffffu)) | whole;
+    let power = vec3<i32>(max(exponent, vec3(1u))) - vec3(150);
+    let tops = power + firstLeadingBit(vec3<i32>(mantissa));
+    let top = max(max(tops.x, tops.y), tops.z);
+    return VdFloats(mantissa, power, (bits >> vec3(31u)) != vec3(0u), all(exponent != vec3(255u)), top);
+}
+
 // mantissa * 2^by in 64 bits, by -63 to 62; what would vanish is 1.
 fn vd_place(mantissa: u32, by: i32) -> vec2<u32> {
     if mantissa == 0u {

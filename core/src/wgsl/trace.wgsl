@@ -119,52 +119,36 @@ fn vd_begin(query: VdQuery) -> VdRay {
     var ray: VdRay;
     ray.query = query;
     ray.level = 32u;
-    let top = max(vd_scene.depth, 2u);
-    let size = 1u << top;
-
-    // Take the floats apart: mantissa * 2^(exponent - 150). Infinite and NaN ones are no ray, nor is direction 0.
-    let origin_bits = bitcast<vec3<u32>>(query.origin);
-    let dir_bits = bitcast<vec3<u32>>(query.dir);
-    var origin_exponent = (origin_bits >> vec3(23u)) & vec3(255u);
-    var dir_exponent = (dir_bits >> vec3(23u)) & vec3(255u);
-    let normal_origin = select(vec3(0u), vec3(0x800000u), origin_exponent != vec3(0u));
-    let normal_dir = select(vec3(0u), vec3(0x800000u), dir_exponent != vec3(0u));
-    let origin_mantissa = (origin_bits & vec3(0x7fffffu)) | normal_origin;
-    let dir_mantissa = (dir_bits & vec3(0x7fffffu)) | normal_dir;
-    if any(max(origin_exponent, dir_exponent) == vec3(255u)) || all(dir_mantissa == vec3(0u)) {
+    let size = 1u << max(vd_scene.depth, 2u);
+    let origin = vd_floats(query.origin);
+    let dir = vd_floats(query.dir);
+    ray.moves = dir.mantissa != vec3(0u);
+    if !origin.finite || !dir.finite || !any(ray.moves) {
         return ray;
     }
-    origin_exponent = max(origin_exponent, vec3(1u));
-    dir_exponent = max(dir_exponent, vec3(1u));
-    ray.moves = dir_mantissa != vec3(0u);
-    ray.negative = ((dir_bits >> vec3(31u)) != vec3(0u)) & ray.moves;
+    ray.negative = dir.below & ray.moves;
     let later = vec3<i32>(ray.negative);
     ray.tie = later.yzx - later.zxy;
 
     // The direction in 63 bits.
-    let dir_top = vec3<i32>(dir_exponent) + firstLeadingBit(vec3<i32>(dir_mantissa));
-    let dir_lift = 62 - max(max(dir_top.x, dir_top.y), dir_top.z);
-    let dir_by = max(vec3<i32>(dir_exponent) + dir_lift, vec3(-63));
-    let dx = vd_place(dir_mantissa.x, dir_by.x);
-    let dy = vd_place(dir_mantissa.y, dir_by.y);
-    let dz = vd_place(dir_mantissa.z, dir_by.z);
+    let dir_by = max(dir.exponent + vec3(62 - dir.top), vec3(-63));
+    let dx = vd_place(dir.mantissa.x, dir_by.x);
+    let dy = vd_place(dir.mantissa.y, dir_by.y);
+    let dz = vd_place(dir.mantissa.z, dir_by.z);
     ray.dir_low = vec3(dx.x, dy.x, dz.x);
     ray.dir_high = vec3(dx.y, dy.y, dz.y);
     ray.dir = vec3<f32>(ray.dir_high) * 0x1p-30f;
 
     // The origin below 2^62, in units of 2^-32 voxels, or of more the farther away it is; mirrored.
-    let origin_top = vec3<i32>(origin_exponent) + firstLeadingBit(vec3<i32>(origin_mantissa));
-    let unit = min(211 - max(max(origin_top.x, origin_top.y), origin_top.z), 32);
+    let unit = min(61 - origin.top, 32);
     if unit < 0 {
         return ray;
     }
-    let origin_by = max(vec3<i32>(origin_exponent) + vec3(unit - 150), vec3(-63));
-    let below = (origin_bits >> vec3(31u)) != vec3(0u);
-    let far = vd_shift(vec4(size, 0u, 0u, 0u), u32(unit) & 31u).xy;
-    let side = select(far, vec2(0u, size), unit == 32);
-    let ox = vd_mirror(vd_place(origin_mantissa.x, origin_by.x), below.x, ray.negative.x, side);
-    let oy = vd_mirror(vd_place(origin_mantissa.y, origin_by.y), below.y, ray.negative.y, side);
-    let oz = vd_mirror(vd_place(origin_mantissa.z, origin_by.z), below.z, ray.negative.z, side);
+    let origin_by = max(origin.exponent + vec3(unit), vec3(-63));
+    let side = vd_place(size, unit);
+    let ox = vd_mirror(vd_place(origin.mantissa.x, origin_by.x), origin.below.x, ray.negative.x, side);
+    let oy = vd_mirror(vd_place(origin.mantissa.y, origin_by.y), origin.below.y, ray.negative.y, side);
+    let oz = vd_mirror(vd_place(origin.mantissa.z, origin_by.z), origin.below.z, ray.negative.z, side);
 
     // The moment; a line on which it does not fit is far from the cube.
     let up = u32(32 - unit);
@@ -177,38 +161,44 @@ fn vd_begin(query: VdQuery) -> VdRay {
     ray.moment_x = mx.value;
     ray.moment_y = my.value;
     ray.moment_z = mz.value;
-    let high = vec3<i32>(bitcast<i32>(mx.value.w), bitcast<i32>(my.value.w), bitcast<i32>(mz.value.w));
+    let high = bitcast<vec3<i32>>(vec3(mx.value.w, my.value.w, mz.value.w));
     ray.moment = vec3<f32>(high) * 4.0 + vec3<f32>(vec3(mx.value.z, my.value.z, mz.value.z)) * 0x1p-30f;
+    vd_enter(&ray, size);
+    return ray;
+}
 
-    // Start in a voxel: the one asked for, or the origin's. Beyond the cube there is none to be met.
+// Puts a ray in its first voxel, or in the cube as a whole, if it meets that.
+fn vd_enter(ray: ptr<function, VdRay>, size: u32) {
+    // The voxel asked for, or the origin's. Beyond the cube there is none to be met.
+    let query = (*ray).query;
+    let negative = (*ray).negative;
     if query.start.x >= 0 {
         let start = vec3<u32>(query.start);
         if all(start < vec3(size)) {
-            ray.p = select(start, vec3(size - 1u) - start, ray.negative);
-            ray.level = 0u;
+            (*ray).p = select(start, vec3(size - 1u) - start, negative);
+            (*ray).level = 0u;
         }
-        return ray;
+        return;
     }
     let cell = vec3<i32>(clamp(floor(query.origin), vec3(-1.0), vec3(f32(size))));
-    let first = select(cell, vec3(i32(size) - 1) - cell, ray.negative);
+    let first = select(cell, vec3(i32(size) - 1) - cell, negative);
     let outside = first < vec3(0);
-    if any(first >= vec3(i32(size))) || any(outside & !ray.moves) {
-        return ray;
+    if any(first >= vec3(i32(size))) || any(outside & !(*ray).moves) {
+        return;
     }
     if !any(outside) {
-        ray.p = vec3<u32>(first);
-        ray.level = 0u;
-        return ray;
+        (*ray).p = vec3<u32>(first);
+        (*ray).level = 0u;
+        return;
     }
 
-    // Or come in through the last of the cube's planes that face the ray, if that is before the first of the others.
-    let order = vd_sides(&ray, vec3(0u));
+    // It comes in through the last of the cube's planes that face it, if that is before the first of the others.
+    let order = vd_sides(ray, vec3(0u));
     let last = outside & (!outside.yzx | (order.zxy >= vec3(0))) & (!outside.zxy | (order.yzx <= vec3(0)));
-    ray.entered = vd_one(last);
-    if !any(vd_crossed(&ray, size)) && !vd_ends(&ray) {
-        ray.level = top;
+    (*ray).entered = vd_one(last);
+    if !any(vd_crossed(ray, size)) && !vd_ends(ray) {
+        (*ray).level = firstLeadingBit(size);
     }
-    return ray;
 }
 
 // The first of the axes that are true.
