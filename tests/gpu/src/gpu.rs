@@ -33,10 +33,7 @@ impl fmt::Display for NoAdapter {
 impl Gpu {
     /// The fastest adapter, a real one if there is one, with `source` as its shader. `WGPU_ADAPTER_NAME` chooses another.
     pub fn new(source: &str) -> Result<Gpu, NoAdapter> {
-        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-            flags: wgpu::InstanceFlags::default() | wgpu::InstanceFlags::ALLOW_UNDERLYING_NONCOMPLIANT_ADAPTER,
-            ..wgpu::InstanceDescriptor::new_without_display_handle()
-        });
+        let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         let named = std::env::var("WGPU_ADAPTER_NAME").ok();
         let mut adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY));
         adapters.retain(|a| named.as_ref().is_none_or(|name| a.get_info().name.contains(name)));
