@@ -89,11 +89,12 @@ fn compare(a: &[u32], b: &[u32]) -> (f64, u8, usize) {
     for (a, b) in a.iter().zip(b) {
         different += usize::from(a != b);
         for (a, b) in a.to_le_bytes().into_iter().zip(b.to_le_bytes()).take(3) {
-            sum += f64::from(a.abs_diff(b)).powi(2);
+            sum += f64::from(a.abs_diff(b)) * f64::from(a.abs_diff(b));
             most = most.max(a.abs_diff(b));
         }
     }
-    (10.0 * (255.0f64.powi(2) * 3.0 * a.len() as f64 / sum).log10(), most, different)
+    let mean = sum / (3 * a.len()) as f64;
+    (10.0 * libm::log10(255.0 * 255.0 / mean), most, different)
 }
 
 /// The demo's scene as a file.

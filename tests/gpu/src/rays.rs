@@ -140,11 +140,12 @@ pub struct Angles {
 impl Angles {
     pub fn add(&mut self, a: [f32; 3], b: [f32; 3]) {
         let [a, b] = [a, b].map(|v| v.map(f64::from));
-        let angle = math::sqrt(math::dot(math::cross(a, b), math::cross(a, b))).atan2(math::dot(a, b)).to_degrees();
+        let sine = math::cross(a, b);
+        let angle = libm::atan2(math::sqrt(math::dot(sine, sine)), math::dot(a, b)).to_degrees();
         self.most = self.most.max(angle);
         self.sum += angle;
         self.count += 1;
-        self.large += u64::from(!(angle <= 0.1));
+        self.large += u64::from(angle.is_nan() || angle > 0.1);
     }
 }
 
@@ -191,8 +192,8 @@ pub fn check(gpu: &Gpu, depth: u8, rays: usize, judged: usize) -> u64 {
                     let ray = question.ray();
                     let broken = scene.broken(&ray)(answer.hit.map(|hit| hit.voxel));
                     tally.judged += 1;
-                    for k in 0..3 {
-                        tally.broken[k] += u64::from(broken[k]);
+                    for (sum, broken) in tally.broken.iter_mut().zip(broken) {
+                        *sum += u64::from(broken);
                     }
                     if broken != [false; 3] {
                         tally.fail(|| format!("{}: {question:?}: {answer:?}, broken: {broken:?}", scene.name));
@@ -206,7 +207,7 @@ pub fn check(gpu: &Gpu, depth: u8, rays: usize, judged: usize) -> u64 {
         if let Some(first) = &tally.first {
             println!("  first: {first}");
         }
-        wrong += other + a + b + c;
+        wrong += other + a + b + c + angles.large;
     }
     wrong
 }
