@@ -11,38 +11,34 @@ fn vd_material(voxel: vec3<u32>) -> u32 {
     var level = root - top;
     let cell = voxel >> vec3(level);
     var entry = vd_words[tree + 28u + ((((cell.z << top) | cell.y) << top) | cell.x)];
-    loop {
-        let kind = entry >> 29u;
-        let value = entry & 0x1fffffffu;
-        if kind == 2u && level > 2u {
-            level -= 1u;
-            entry = vd_words[vd_scene.tree_nodes + 8u * value + vd_octant(voxel, level)];
-            continue;
-        }
-        if kind == 0u {
-            return value;
-        }
-        if kind == 1u {
-            let ids = vd_words[vd_scene.tree_pairs + 2u * value];
-            let second = vd_pair_bit(vd_words[vd_scene.tree_pairs + 2u * value + 1u], level, voxel);
-            return (ids >> (16u * second)) & 0xffffu;
-        }
-        // A brick: ids, two a word, then for up to 4 or 16 of them which one each voxel has.
-        let bit = vd_bit(voxel);
-        var brick = vd_scene.tree_few + 6u * value;
-        var index = (vd_words[brick + 2u + bit / 16u] >> (2u * (bit % 16u))) & 3u;
-        if kind == 4u {
-            brick = vd_scene.tree_some + 16u * value;
-            index = (vd_words[brick + 8u + bit / 8u] >> (4u * (bit % 8u))) & 15u;
-        } else if kind == 5u {
-            brick = vd_scene.tree_many + 32u * value;
-            index = bit;
-        } else if kind != 3u {
-            return 0u;
-        }
-        return (vd_words[brick + index / 2u] >> (16u * (index % 2u))) & 0xffffu;
+    while (entry >> 29u) == 2u && level > 2u {
+        level -= 1u;
+        entry = vd_words[vd_scene.tree_nodes + 8u * (entry & 0x1fffffffu) + vd_octant(voxel, level)];
     }
-    return 0u;
+    let kind = entry >> 29u;
+    let value = entry & 0x1fffffffu;
+    if kind == 0u {
+        return value;
+    }
+    if kind == 1u {
+        let ids = vd_words[vd_scene.tree_pairs + 2u * value];
+        let second = vd_pair_bit(vd_words[vd_scene.tree_pairs + 2u * value + 1u], level, voxel);
+        return (ids >> (16u * second)) & 0xffffu;
+    }
+    // A brick: ids, two a word, then for up to 4 or 16 of them which one each voxel has.
+    let bit = vd_bit(voxel);
+    var brick = vd_scene.tree_few + 6u * value;
+    var index = (vd_words[brick + 2u + bit / 16u] >> (2u * (bit % 16u))) & 3u;
+    if kind == 4u {
+        brick = vd_scene.tree_some + 16u * value;
+        index = (vd_words[brick + 8u + bit / 8u] >> (4u * (bit % 8u))) & 15u;
+    } else if kind == 5u {
+        brick = vd_scene.tree_many + 32u * value;
+        index = bit;
+    } else if kind != 3u {
+        return 0u;
+    }
+    return (vd_words[brick + index / 2u] >> (16u * (index % 2u))) & 0xffffu;
 }
 
 // The octant of a cube of level + 1 in which a voxel is.

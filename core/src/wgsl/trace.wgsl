@@ -1,14 +1,15 @@
 // The first filled voxel along the real line that six f32 describe: exactly, in 32-bit integers.
 //
-// A corner k of the lattice lies to one side of the line or the other: E = (k - o) x d, and the sign of its z says whether
-// the line crosses the plane x = k.x before y = k.y, and so on. E = k x d + m, where m = d x o is the same for all corners
-// (the line's Pluecker coordinates are d and m). All decisions are such signs. Origin and direction become 64-bit integers,
-// their units powers of two, m takes 128 bits, and f32 decides wherever it is further from 0 than its error.
+// A corner k of the lattice lies to one side of the line or the other: E = (k - o) x d, and the sign of its z says
+// whether the line crosses the plane x = k.x before y = k.y, and so on. E = k x d + m, where m = d x o is the same for
+// all corners (the line's Pluecker coordinates are d and m). All decisions are such signs. Origin and direction become
+// 64-bit integers, their units powers of two, m takes 128 bits, and f32 decides wherever it is further from 0 than its
+// error.
 //
-// The ray is mirrored so that it runs towards +x, +y, +z. It goes from empty cube to empty cube of the octree; how far it
-// is on the other axes when it enters one is asked only as deep as the octree goes there (as Laine and Karras do, 2010). Of
-// planes that are crossed at one time those in positive direction come first, together, then those in negative direction,
-// together.
+// The ray is mirrored so that it runs towards +x, +y, +z. It goes from empty cube to empty cube of the octree; how far
+// it is on the other axes when it enters one is asked only as deep as the octree goes there (as Laine and Karras do,
+// 2010). Of planes that are crossed at one time those in positive direction come first, together, then those in negative
+// direction, together.
 
 const VD_FOREVER: f32 = 3.4028234e38;
 
@@ -89,7 +90,7 @@ fn vd_face_normal(face: u32) -> vec3<f32> {
     return select(vec3(0.0), vec3(side), vec3<u32>(0u, 1u, 2u) == vec3(face >> 1u));
 }
 
-// A ray, and where it is. All but the query is mirrored: on axes where it runs in negative direction, k stands for 2^L - k.
+// A ray, and where it is. All but the query is mirrored: where it runs in negative direction, k stands for 2^L - k.
 struct VdRay {
     query: VdQuery,
     // Along which axes it moves at all, and in negative direction.
@@ -206,7 +207,7 @@ fn vd_one(axes: vec3<bool>) -> vec3<bool> {
     return vec3(axes.x, axes.y && !axes.x, axes.z && !(axes.x || axes.y));
 }
 
-// For the planes through k, the signs of the times at which y is crossed less z, z less x, x less y.
+// Of the planes x = k.x, y = k.y, z = k.z: is y crossed before z (-1), with it (0) or after it (1)? z and x? x and y?
 fn vd_sides(ray: ptr<function, VdRay>, k: vec3<u32>) -> vec3<i32> {
     let dir = (*ray).dir;
     let place = vec3<f32>(k);
