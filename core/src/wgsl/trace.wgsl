@@ -8,8 +8,8 @@
 //
 // The ray is mirrored so that it runs towards +x, +y, +z. It goes from empty cube to empty cube of the octree; how far
 // it is on the other axes when it enters one is asked only as deep as the octree goes there (as Laine and Karras do,
-// 2010). Of planes that are crossed at one time those in positive direction come first, together, then those in negative
-// direction, together.
+// 2010). Of planes that are crossed at one time those in positive direction come first, together, then those in
+// negative direction, together.
 
 const VD_FOREVER: f32 = 3.4028234e38;
 
@@ -66,7 +66,9 @@ fn vd_trace(query: VdQuery) -> VdHit {
     // The ray came in through the planes that it crossed last; the steepest of them gives the face.
     let order = vd_sides(&ray, ray.p);
     let crossed = (order.zxy >= vec3(0)) & (order.yzx <= vec3(0)) & ray.moves;
-    let steep = select(vec3(-1.0), abs(query.dir), crossed);
+    // Sizes of floats are in the order of their bits.
+    let sizes = bitcast<vec3<i32>>(query.dir) & vec3(0x7fffffff);
+    let steep = select(vec3(-1), sizes, crossed);
     let axis = select(select(2u, 1u, steep.y >= steep.z), 0u, steep.x >= steep.y && steep.x >= steep.z);
     hit.face = 2u * axis + u32(ray.negative[axis]);
     hit.t = max(vd_time(&ray, ray.p, vec3<u32>(0u, 1u, 2u) == vec3(axis)), 0.0);

@@ -46,10 +46,11 @@ impl Question {
         Question { origin, dir, t_max: f32::MAX, start: None }
     }
 
-    /// The ray, its numbers rounded to f32; `None` if nothing is left of its direction.
+    /// The ray, its numbers rounded to f32; `None` if what is left of its direction is subnormal: a card may divide by 0
+    /// where it works out t, and then there is none.
     fn of(ray: &Ray) -> Option<Question> {
         let [origin, dir] = [ray.origin, ray.dir].map(|v| v.map(|x| x as f32));
-        let usable = dir != [0.0; 3] && origin.iter().chain(&dir).all(|x| x.is_finite());
+        let usable = dir.iter().any(|x| x.is_normal()) && origin.iter().chain(&dir).all(|x| x.is_finite());
         usable.then_some(Question { t_max: (ray.t_max as f32).min(f32::MAX), ..Question::new(origin, dir) })
     }
 
