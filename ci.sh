@@ -4,6 +4,7 @@
 #   ./ci.sh            all of them, in this order; the rest still run when one fails
 #   ./ci.sh test       one of them
 #   ./ci.sh miri long  everything that Miri can do, on three machines (7 minutes instead of 2)
+#   ./ci.sh gpu long   the shader on ten times as many rays (1 minute instead of 15 seconds)
 #   ./ci.sh selftest long   the oracles over a hundred times as many triangles and rays (some minutes instead of seconds)
 #   ./ci.sh fuzz 60    every fuzz target for 60 seconds (nightly and cargo-fuzz needed; not part of `all`)
 #   ./ci.sh mutants    every rule and check taken away in turn: does a test notice? (python3 needed; not part of `all`)
