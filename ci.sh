@@ -4,25 +4,26 @@
 #   ./ci.sh            all of them, in this order; the rest still run when one fails
 #   ./ci.sh test       one of them
 #   ./ci.sh miri long  everything that Miri can do, on three machines (7 minutes instead of 2)
+#   ./ci.sh gpu long   the shader on ten times as many rays (1 minute instead of 15 seconds)
 #   ./ci.sh selftest long   the oracles over a hundred times as many triangles and rays (some minutes instead of seconds)
 #   ./ci.sh fuzz 60    every fuzz target for 60 seconds (nightly and cargo-fuzz needed; not part of `all`)
 #   ./ci.sh mutants    every rule and check taken away in turn: does a test notice? (python3 needed; not part of `all`)
 set -euo pipefail
 cd "$(dirname "$0")"
 
-ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo web selftest test targets miri)
+ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo web selftest test targets gpu miri)
 
 # The lock files are committed and fit their manifests.
 check_lock() {
     local folder
-    for folder in . fuzz tests/bare; do
+    for folder in . fuzz tests/bare tests/gpu; do
         cargo metadata --locked --format-version 1 --manifest-path "$folder/Cargo.toml" >/dev/null
     done
 }
 
 check_fmt() {
     cargo fmt --all --check
-    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs tests/bare/build.rs tests/bare/src/*.rs
+    rustfmt --edition 2024 --check fuzz/fuzz_targets/*.rs tests/bare/build.rs tests/bare/src/*.rs tests/gpu/src/*.rs
 }
 
 check_clippy() {
@@ -143,6 +144,20 @@ check_targets() {
         printf 'not the same as everywhere: %s\n' "${failed[@]}" >&2
         exit 1
     fi
+}
+
+# The shader on a graphics card, or on Mesa's software adapter where that is installed (apt-get install
+# mesa-vulkan-drivers), against the exact tracer and the oracles. `long`: ten times as many rays.
+check_gpu() {
+    local software=(/usr/share/vulkan/icd.d/lvp_icd.*)
+    export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
+    # Where the software adapter is installed it must work; without any the program says that it is skipped.
+    if [ -e "${software[0]}" ]; then
+        export VOXDAG_GPU=required
+    fi
+    cd tests/gpu
+    cargo clippy --locked -- -D warnings
+    cargo run --locked -- ${1:+--$1}
 }
 
 # In an interpreter that sees undefined behaviour: the core's tests here, and every stage at a small size on a machine that

@@ -105,8 +105,10 @@ pub mod render;
 // What the thesis counts.
 pub mod thesis;
 
-// At the rim: files, and a scene that comes along.
+// At the rim: files, graphics cards, and a scene that comes along.
 pub mod file;
+
+pub mod wgsl;
 
 #[cfg(feature = "alloc")]
 pub mod demo;

@@ -254,6 +254,13 @@ fn find_sections(words: &[u32]) -> Result<[Option<&[u32]>; Section::COUNT], Load
     Ok(sections)
 }
 
+/// Where a section begins in the words of a file that passes [`read`]; `None` if it has none, or beyond 32 bits.
+pub(crate) fn section_start(words: &[u32], section: Section) -> Option<u32> {
+    let rows = words.get(HEADER..)?.chunks_exact(ROW).take(words[7] as usize);
+    let row = rows.into_iter().find(|row| Section::of(row[0], words[1]) == Some(section))?;
+    u32::try_from(u64_at(row, 2)).ok()
+}
+
 /// What must hold between a scene's parts, whether they are read or written.
 fn check(
     grid: &Grid,

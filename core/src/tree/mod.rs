@@ -204,6 +204,22 @@ impl<'a> Tree<'a> {
         self.words
     }
 
+    /// Where its parts begin, in words from its first one: nodes, pairs, bricks of up to 4, 16 and 64 ids, patterns, halves.
+    pub(crate) fn parts(&self) -> [u32; 7] {
+        let [few, some, many] = self.bricks;
+        let mut end = HEADER + (1 << (3 * (self.root - self.top)));
+        [self.nodes, self.pairs, few, some, many, self.patterns, self.halves].map(|part| {
+            let start = end as u32;
+            end += part.len();
+            start
+        })
+    }
+
+    /// Bit l is set if places in level l take two halves.
+    pub(crate) fn wide(&self) -> u32 {
+        self.wide
+    }
+
     /// No voxel's material id is above this one.
     pub fn max_material(&self) -> MaterialId {
         self.max_material

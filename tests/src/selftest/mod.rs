@@ -10,7 +10,7 @@
 mod leak;
 mod normals;
 mod overlap;
-mod rays;
+pub mod rays;
 
 use core::ops::AddAssign;
 

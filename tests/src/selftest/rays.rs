@@ -15,7 +15,8 @@ use crate::rng::Rng;
 use crate::scenes::Implicit;
 use crate::textbook::esvo_f32;
 
-const CLASSES: [&str; 7] = [
+/// The kinds of rays, by the number that [`Scene::draw`] takes.
+pub const CLASSES: [&str; 7] = [
     "random",
     "along an axis",
     "in a plane between voxels",
@@ -29,10 +30,12 @@ const DEPTHS: [u8; 4] = [3, 10, 16, 21];
 const RAYS: u64 = 5;
 
 /// A shape as a DAG and in the oracle's terms.
-struct Scene {
-    name: &'static str,
+pub struct Scene {
+    /// What it is.
+    pub name: &'static str,
     depth: u8,
-    words: Vec<u32>,
+    /// The DAG.
+    pub words: Vec<u32>,
     shape: Shape,
     /// Filled voxels to aim at.
     targets: Vec<[u32; 3]>,
@@ -67,7 +70,7 @@ impl Scene {
     }
 
     /// The four shapes of the catalogue at a depth.
-    fn all(depth: u8) -> Vec<Scene> {
+    pub fn all(depth: u8) -> Vec<Scene> {
         let n = 1i64 << depth;
         // The part of a sphere's shell around its point nearest to a corner; the whole one up to 2^6.
         let shell = Implicit::Shell { centre: [n; 3], inner: n - 3, outer: n };
@@ -99,20 +102,26 @@ impl Scene {
         }
     }
 
+    /// Which of the three inequalities are broken by a method that found this voxel: it is filled and touched (A), no later
+    /// than the first whose interior is met, which no method may miss (B), and nothing is found only where there is none (C).
+    pub fn broken<'a>(&'a self, ray: &'a Ray) -> impl Fn(Option<[u32; 3]>) -> [bool; 3] + 'a {
+        let interior = ray::first_interior(ray, self.depth, &|level, corner| self.any(level, corner));
+        let first = interior.map(|hit| Time::At(hit.time));
+        move |found| {
+            let Some(voxel) = found else { return [false, false, first.is_some()] };
+            match ray::arrival(ray, voxel).filter(|_| self.any(0, voxel)) {
+                Some(time) => [false, first.as_ref().is_some_and(|first| time > *first), false],
+                None => [true, false, false],
+            }
+        }
+    }
+
     /// Asks all about a ray.
     fn ask(&self, ray: &Ray, tally: &mut Tally) {
         let any = |level: u8, corner: [u32; 3]| self.any(level, corner);
         let truth = ray::first(ray, self.depth, 0, &any);
-        let interior = ray::first_interior(ray, self.depth, &any).map(|hit| hit.time);
-        // The three inequalities: touched, no later than the first that no method may miss, and a miss only without one.
-        let kept = |found: Option<[u32; 3]>| match (found, &interior) {
-            (None, interior) => interior.is_none(),
-            (Some(voxel), interior) => {
-                let arrival = ray::arrival(ray, voxel);
-                let in_time = |t: &Time| interior.as_ref().is_none_or(|i| *t <= Time::At(i.clone()));
-                self.any(0, voxel) && arrival.is_some_and(|t| in_time(&t))
-            }
-        };
+        let broken = self.broken(ray);
+        let kept = |found: Option<[u32; 3]>| broken(found) == [false; 3];
 
         let query = Query { t_min: ray.t_min, t_max: ray.t_max, ..Query::new(ray.origin, ray.dir) };
         let dag = Dag::new(&self.words).expect("the twin's words are good");
@@ -128,7 +137,7 @@ impl Scene {
     }
 
     /// A ray of a class at one of the targets.
-    fn draw(&self, class: usize, rng: &mut Rng) -> Ray {
+    pub fn draw(&self, class: usize, rng: &mut Rng) -> Ray {
         let n = f64::from(1u32 << self.depth);
         let target = rng.pick(&self.targets).map(f64::from);
         let inside = target.map(|k| k + rng.unit());
