@@ -714,7 +714,7 @@ fn kernels_draw_what_the_full_one_does() {
     for round in 0..40 {
         let mut scene = everything(&mut rng);
         // Few effects are often called for.
-        let set = rng.bits() & rng.bits() | 1 << (round % 6);
+        let set = rng.bits() & rng.bits() | 1 << (round % 7);
         let off = |effect: u32| set >> effect & 1 == 0;
         for material in &mut scene.palette {
             if off(0) {
@@ -729,6 +729,7 @@ fn kernels_draw_what_the_full_one_does() {
             if off(3) {
                 material.specular = BLACK;
             }
+            material.textured &= !off(6);
             if off(5) && matches!(material.illum, 3..=7) {
                 material.illum = 2;
             }
