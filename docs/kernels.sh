@@ -31,7 +31,7 @@ use voxdag::normal::{Normal, NormalKind, normals};
 use voxdag::render::{Kernel, Settings, View, render_rows, render_rows_by};
 use voxdag::simd::Level;
 use voxdag::trace::{Arithmetic, Hit, Query, Tile};
-use voxdag::{Dag, Tree};
+use voxdag::{Dag, Tree, colors::Painted};
 
 pub struct Named;
 impl Kernel for Named {
@@ -53,7 +53,7 @@ pub fn fitted(level: Option<Level>, view: &View<'_, Tree<'_>, Dag<'_>>, hits: &[
     normals(level, &view.tracer, view.materials, hits, dirs, kind, out);
 }
 $2
-pub fn draw(view: &View<'_, Tree<'_>, Dag<'_>>, settings: &Settings, out: &mut [u32]) -> u64 {
+pub fn draw(view: &View<'_, ${4:-Tree<'_>}, Dag<'_>>, settings: &Settings, out: &mut [u32]) -> u64 {
     $3(view, settings, 0..settings.height, out).map_or(0, |counters| counters.primary)
 }
 #[panic_handler]
@@ -82,6 +82,10 @@ for set in "" "SPECULAR" "SPECULAR EMISSION" "SPECULAR SHADOWS" "SPECULAR EMISSI
     measure
     echo "${set:-none}: $text, wasm $wasm"
 done
+# The last set again, with textures and the colours that they need.
+program "$union.union(Effects::TEXTURES)" "#[unsafe(no_mangle)]" "render_rows_by::<Named, _, _>" "Painted<'_, Tree<'_>>"
+measure
+echo "$set TEXTURES: $text, wasm $wasm"
 program "" "#[unsafe(no_mangle)]" render_rows
 measure
 echo "render_rows, which chooses: $text, wasm $wasm"

@@ -126,6 +126,18 @@ test('textures are given as pixels', () => {
   assert.match(build(files)[1], /0 pixels/);
 });
 
+test('a texture that no voxel shows leaves none', () => {
+  const files = filesOf({
+    'a.obj': 'mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl hole\nf 1/1 2/2 3/3\n',
+    'a.mtl': 'newmtl hole\nmap_Kd white.png\nmap_d black.png\n',
+  });
+  files.addPicture('white.png', 1, 1, new Uint8Array(4).fill(255));
+  files.addPicture('black.png', 1, 1, new Uint8Array([0, 0, 0, 255]));
+  const viewer = viewerOf(files, 16);
+  assert.equal(viewer.stats().voxels, 0);
+  assert.equal(viewer.renderRows(viewer.camera, new voxdag.Settings(8, 8), 0, 8).length, 256);
+});
+
 test('a missing library is a warning', () => {
   const built = voxdag.build(filesOf({ 'walls.obj': WALLS['walls.obj'] }), 20, 'y', nothing);
   assert.match(built.warnings.join('\n'), /^walls\.obj:1: .*walls\.mtl/m);

@@ -109,7 +109,7 @@ fn voxels(
         Some(colors) => Some(Colored::new(AnyRank::Prefix(Prefix::new(dag.dag(), &counts)?), colors.as_colors())?),
         None => None,
     };
-    let materials: Vec<Material> = model.materials.iter().map(|named| named.material).collect();
+    let materials: Vec<Material> = model.palette(colors.is_some()).collect();
     let names: Vec<&str> = model.materials.iter().map(|named| named.name.as_str()).collect();
     let parts = Parts {
         grid,
