@@ -157,7 +157,8 @@ fn demo() -> Vec<u32> {
     let bounds = mesh.validate().unwrap();
     let grid = Grid::fit(&bounds, voxdag::demo::RESOLUTION).unwrap();
     let built = Build::new(&mesh, &grid, &Options::default()).unwrap().run().unwrap();
-    let names: Vec<&str> = model.names.iter().map(|name| &name[..]).collect();
+    let names: Vec<&str> = model.materials.iter().map(|named| &named.name[..]).collect();
+    let materials: Vec<_> = model.materials.iter().map(|named| named.material).collect();
     let parts = Parts {
         grid,
         bounds,
@@ -166,7 +167,7 @@ fn demo() -> Vec<u32> {
         geometry: AnyGeometry::Dag(built.dag.dag()),
         voxel_materials: built.materials.as_materials(None).unwrap(),
         colors: None,
-        materials: &model.materials,
+        materials: &materials,
         names: &names,
     };
     parts.to_vec().unwrap()

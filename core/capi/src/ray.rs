@@ -4,12 +4,11 @@ use core::mem::MaybeUninit;
 
 use voxdag::Morton;
 use voxdag::trace::{Arithmetic, Face, Hit, Query};
-use voxdag::with_tracer;
 
 use crate::VOXDAG_NONE;
 use crate::border::Caller;
 use crate::error::{Failure, VoxdagError, VoxdagStatus};
-use crate::scene::VoxdagScene;
+use crate::scene::{VoxdagScene, with_tracer};
 
 /// How the tracer decides which voxel comes first.
 #[repr(u32)]
@@ -143,9 +142,9 @@ pub unsafe extern "C" fn voxdag_trace(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let (arithmetic, query) = caller.one("ray", ray)?.query()?;
-        let found = with_tracer!(scene.geometry, trees, tracer => tracer.trace(arithmetic, &query));
+        let found = with_tracer!(scene, tracer => tracer.trace(arithmetic, &query));
         caller.put("hit", hit, found.into())
     })
 }
@@ -162,14 +161,12 @@ pub unsafe extern "C" fn voxdag_trace_many(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let rays = Rays::new(&caller, rays)?;
         let mut hits = Hits::new(&caller, hits, rays.origins.len())?;
-        with_tracer!(scene.geometry, trees, tracer => rays.chunks(|first, queries| {
-            let mut found = [None; CHUNK];
-            tracer.trace_many(rays.arithmetic, queries, &mut found);
-            hits.put(first, &found[..queries.len()]);
-        }));
+        with_tracer!(scene, tracer => {
+            tracer.trace_each(rays.arithmetic, rays.origins.len(), |i| rays.query(i), |i, hit| hits.put(i, hit));
+        });
         Ok(())
     })
 }
@@ -185,9 +182,9 @@ pub unsafe extern "C" fn voxdag_occluded(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let (arithmetic, query) = caller.one("ray", ray)?.query()?;
-        let answer = with_tracer!(scene.geometry, trees, tracer => tracer.occluded(arithmetic, &query));
+        let answer = with_tracer!(scene, tracer => tracer.occluded(arithmetic, &query));
         caller.put("blocked", blocked, answer.into())
     })
 }
@@ -203,16 +200,13 @@ pub unsafe extern "C" fn voxdag_occluded_many(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let rays = Rays::new(&caller, rays)?;
         let blocked = caller.room("blocked", blocked, rays.origins.len())?;
-        with_tracer!(scene.geometry, trees, tracer => rays.chunks(|first, queries| {
-            let mut answers = [false; CHUNK];
-            tracer.occluded_many(rays.arithmetic, queries, &mut answers);
-            for (place, answer) in blocked[first..].iter_mut().zip(&answers[..queries.len()]) {
-                place.write((*answer).into());
-            }
-        }));
+        let mut put = |i: usize, answer: bool| _ = blocked[i].write(answer.into());
+        with_tracer!(scene, tracer => {
+            tracer.occluded_each(rays.arithmetic, rays.origins.len(), |i| rays.query(i), &mut put);
+        });
         Ok(())
     })
 }
@@ -270,6 +264,7 @@ impl VoxdagRay {
 }
 
 impl From<Option<Hit>> for VoxdagHit {
+    #[inline]
     fn from(hit: Option<Hit>) -> VoxdagHit {
         let miss = VoxdagHit {
             voxel: VOXDAG_NONE,
@@ -292,9 +287,6 @@ impl From<Option<Hit>> for VoxdagHit {
 pub(crate) fn face(number: u32) -> Option<Face> {
     Face::ALL.get(number as usize).copied()
 }
-
-/// Rays that are worked on at a time: as many as the core takes.
-pub(crate) const CHUNK: usize = 256;
 
 /// Many rays, checked.
 struct Rays<'a> {
@@ -321,26 +313,15 @@ impl<'a> Rays<'a> {
         })
     }
 
-    /// Hands the rays over, some at a time, with the number of the first.
     #[inline]
-    fn chunks(&self, mut each: impl FnMut(usize, &[Query])) {
-        let mut queries = [Query { min_level: self.min_level, ..Query::new([0.0; 3], [0.0; 3]) }; CHUNK];
-        for first in (0..self.origins.len()).step_by(CHUNK) {
-            let count = CHUNK.min(self.origins.len() - first);
-            let rays = self.origins[first..].iter().zip(&self.directions[first..]);
-            for (query, (origin, direction)) in queries.iter_mut().zip(rays) {
-                (query.origin, query.dir) = (*origin, *direction);
-            }
-            if let Some(t_min) = self.t_min {
-                queries.iter_mut().zip(&t_min[first..]).for_each(|(query, t)| query.t_min = *t);
-            }
-            if let Some(t_max) = self.t_max {
-                queries.iter_mut().zip(&t_max[first..]).for_each(|(query, t)| query.t_max = *t);
-            }
-            if let Some(starts) = self.starts {
-                queries.iter_mut().zip(&starts[first..]).for_each(|(query, start)| query.start = voxel(*start));
-            }
-            each(first, &queries[..count]);
+    fn query(&self, i: usize) -> Query {
+        Query {
+            origin: self.origins[i],
+            dir: self.directions[i],
+            t_min: self.t_min.map_or(0.0, |t_min| t_min[i]),
+            t_max: self.t_max.map_or(f64::INFINITY, |t_max| t_max[i]),
+            min_level: self.min_level,
+            start: self.starts.and_then(|starts| voxel(starts[i])),
         }
     }
 }
@@ -364,26 +345,18 @@ impl<'a> Hits<'a> {
         })
     }
 
-    /// Writes hits from number `first` on.
     #[inline]
-    fn put(&mut self, first: usize, found: &[Option<Hit>]) {
-        for (place, hit) in self.voxels[first..].iter_mut().zip(found) {
-            place.write(hit.map_or(VOXDAG_NONE, |hit| hit.voxel.0));
-        }
+    fn put(&mut self, i: usize, hit: Option<Hit>) {
+        let hit = VoxdagHit::from(hit);
+        self.voxels[i].write(hit.voxel);
         if let Some(from) = &mut self.from {
-            for (place, hit) in from[first..].iter_mut().zip(found) {
-                place.write(hit.and_then(|hit| hit.from).map_or(VOXDAG_NONE, |from| from.0));
-            }
+            from[i].write(hit.from);
         }
         if let Some(t) = &mut self.t {
-            for (place, hit) in t[first..].iter_mut().zip(found) {
-                place.write(hit.map_or(f64::INFINITY, |hit| hit.t));
-            }
+            t[i].write(hit.t);
         }
         if let Some(faces) = &mut self.faces {
-            for (place, hit) in faces[first..].iter_mut().zip(found) {
-                place.write(hit.map_or(VoxdagFace::None as u8, |hit| hit.face as u8));
-            }
+            faces[i].write(hit.face as u8);
         }
     }
 }

@@ -4,12 +4,11 @@ use voxdag::camera::Camera;
 use voxdag::effects::Effects;
 use voxdag::render::{Counters, Samples, Settings, Supersample, View, render_rows};
 use voxdag::shade::{Light, LightKind};
-use voxdag::with_tracer;
 
 use crate::border::Caller;
 use crate::error::{Failure, VoxdagError, VoxdagStatus};
 use crate::ray::arithmetic;
-use crate::scene::VoxdagScene;
+use crate::scene::{VoxdagScene, with_tracer};
 use crate::surface::normal_kind;
 
 /// A pinhole camera in the world.
@@ -201,7 +200,7 @@ pub unsafe extern "C" fn voxdag_render_rows(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, palette, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let camera = caller.one("camera", camera)?.checked()?;
         let settings = caller.one("settings", settings)?.checked()?;
         let given = caller.slice("lights", lights, light_count)?;
@@ -215,9 +214,9 @@ pub unsafe extern "C" fn voxdag_render_rows(
             return Err(Failure::TooSmall { needed });
         }
         let pixels = caller.cleared("pixels", pixels, needed as usize)?;
-        let materials = scene.looks();
-        let drawn = with_tracer!(scene.geometry, trees, tracer => {
-            let view = View { tracer, materials, palette, grid: scene.grid, camera, lights: &lights };
+        let (palette, materials, grid) = (&scene.palette[..], scene.scene.looks(), scene.scene.grid);
+        let drawn = with_tracer!(scene, tracer => {
+            let view = View { tracer, materials, palette, grid, camera, lights: &lights };
             render_rows(&view, &settings, first_row..end_row, pixels)
         });
         let Counters { primary, shadow, secondary, hits, .. } = drawn?;

@@ -91,6 +91,30 @@ pub struct VoxdagMaterial {
     pub textured: u32,
 }
 
+/// Runs the same expression with what answers rays of a scene: its wide tree, its DAG, or whatever else it has, which is
+/// asked for its layout at every step. Three copies of each kernel are compiled, not one for each layout there is.
+macro_rules! with_tracer {
+    ($scene:expr, $tracer:ident => $body:expr) => {{
+        let $crate::VoxdagScene { scene, trees, .. } = $scene;
+        let (top, level) = (trees.top.as_ref(), voxdag::simd::Level::best());
+        match (&trees.wide, scene.geometry) {
+            (Some(wide), _) => {
+                let $tracer = voxdag::trees::tracer(wide.as_wide(), top).with_level(level);
+                $body
+            }
+            (None, voxdag::layout::AnyGeometry::Dag(dag)) => {
+                let $tracer = voxdag::trees::tracer(dag, top).with_level(level);
+                $body
+            }
+            (None, geometry) => {
+                let $tracer = voxdag::trees::tracer(geometry, top).with_level(level);
+                $body
+            }
+        }
+    }};
+}
+pub(crate) use with_tracer;
+
 impl VoxdagScene {
     /// `words` are kept by the caller, or are those of `owned`.
     fn new(words: &'static [u32], owned: Vec<u32>, tree_bytes: u64) -> Result<VoxdagScene, Failure> {

@@ -5,13 +5,12 @@ use voxdag::Morton;
 use voxdag::normal::{Normal, NormalKind, normal, normals};
 use voxdag::simd::Level;
 use voxdag::trace::{Face, Hit};
-use voxdag::with_tracer;
 
 use crate::VOXDAG_NONE;
 use crate::border::Caller;
 use crate::error::{Failure, VoxdagError, VoxdagStatus};
-use crate::ray::{CHUNK, VoxdagHit, face, voxel};
-use crate::scene::VoxdagScene;
+use crate::ray::{VoxdagHit, face, voxel};
+use crate::scene::{VoxdagScene, with_tracer};
 
 /// Where normals come from.
 #[repr(u32)]
@@ -50,14 +49,14 @@ pub unsafe extern "C" fn voxdag_normal(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let kind = normal_kind(kind)?;
         let hit = caller.one("hit", hit)?;
         let direction = caller.triples("direction", direction, 1)?[0];
         let place = caller.room("normal", normal.cast::<[f32; 3]>(), 1)?;
         let found = match hit_at(hit.voxel, hit.face, 0)? {
-            Some(hit) => with_tracer!(scene.geometry, trees, tracer => {
-                self::normal(&tracer, scene.materials, &hit, direction, kind).direction
+            Some(hit) => with_tracer!(scene, tracer => {
+                self::normal(&tracer, scene.scene.materials, &hit, direction, kind).direction
             }),
             None => [0.0; 3],
         };
@@ -85,13 +84,13 @@ pub unsafe extern "C" fn voxdag_normals(
     // SAFETY: what the header asks for.
     let caller = unsafe { Caller::new() };
     caller.run(error, || {
-        let VoxdagScene { scene, trees, .. } = caller.one("scene", scene)?;
+        let scene = caller.one("scene", scene)?;
         let kind = normal_kind(kind)?;
         let voxels = caller.slice("voxels", voxels, count)?;
         let faces = caller.slice("faces", faces, count)?;
         let directions = caller.triples("directions", directions, count)?;
         let places = caller.room("normals", normals.cast::<[f32; 3]>(), count)?;
-        with_tracer!(scene.geometry, trees, tracer => {
+        with_tracer!(scene, tracer => {
             // Only the hits among them go on, close together.
             let mut first = 0;
             while first < count {
@@ -106,7 +105,7 @@ pub unsafe extern "C" fn voxdag_normals(
                     }
                 }
                 let (hits, ways) = (&hits[..used], &ways[..used]);
-                self::normals(Level::best(), &tracer, scene.materials, hits, ways, kind, &mut found);
+                self::normals(Level::best(), &tracer, scene.scene.materials, hits, ways, kind, &mut found);
                 let mut found = found.iter();
                 for at in first..end {
                     let normal = if voxels[at] == VOXDAG_NONE { None } else { found.next() };
@@ -170,6 +169,8 @@ pub(crate) fn normal_kind(number: u32) -> Result<NormalKind, Failure> {
     NormalKind::ALL.get(number as usize).copied().ok_or(Failure::Choice { name: "kind of normals", found: number })
 }
 
+/// Hits whose normals are worked out together.
+const CHUNK: usize = 256;
 const MISS: Hit = Hit { voxel: Morton(0), from: None, t: 0.0, level: 0, face: Face::Inside };
 const NO_NORMAL: Normal = Normal { direction: [0.0; 3], confidence: voxdag::normal::Confidence::Face };
 

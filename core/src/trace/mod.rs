@@ -247,9 +247,34 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
     pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
+        self.trace_each(arithmetic, queries.len().min(hits.len()), |i| queries[i], |i, hit| hits[i] = hit);
+    }
+
+    /// Traces `count` rays: `ray(i)` says which, `put(i, hit)` takes the answers, in order. For rays and hits that lie in
+    /// memory in a way of their own, such as an array for each coordinate; `ray` may be asked more than once for the same.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let (x, mut t) = ([0.5, 1.5], [f64::INFINITY; 2]);
+    /// let ray = |i: usize| Query::new([x[i], 0.5, 9.0], [0.0, 0.0, -2.0]);
+    /// tracer.trace_each(Arithmetic::Exact, 2, ray, |i, hit| t[i] = hit.map_or(t[i], |hit| hit.t));
+    /// assert_eq!(t, [4.0, f64::INFINITY]);
+    /// ```
+    #[inline]
+    pub fn trace_each(
+        &self,
+        arithmetic: Arithmetic,
+        count: usize,
+        ray: impl Fn(usize) -> Query,
+        mut put: impl FnMut(usize, Option<Hit>),
+    ) {
         match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(&queries, hits),
-            None => queries.iter().zip(hits).for_each(|(query, hit)| *hit = self.trace(arithmetic, query)),
+            Some(packets) => packets.trace(&packet::Made { count, ray }, put),
+            None => (0..count).for_each(|i| put(i, self.trace(arithmetic, &ray(i)))),
         }
     }
 
@@ -271,7 +296,10 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// ```
     pub fn trace_tile(&self, arithmetic: Arithmetic, tile: &Tile<'_>, hits: &mut [Option<Hit>]) {
         match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(tile, hits),
+            Some(packets) => {
+                let count = tile.places.len().min(hits.len());
+                packets.trace(&Tile { places: &tile.places[..count], ..*tile }, |i, hit| hits[i] = hit);
+            }
             None => tile.places.iter().zip(hits).for_each(|(place, hit)| {
                 *hit = self.trace(arithmetic, &Query::new(tile.origin, tile.direction(*place)));
             }),
@@ -293,12 +321,22 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// assert_eq!(blocked, [true, false]);
     /// ```
     pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
+        let count = queries.len().min(blocked.len());
+        self.occluded_each(arithmetic, count, |i| queries[i], |i, answer| blocked[i] = answer);
+    }
+
+    /// [`Tracer::trace_each`] for the question whether a ray meets any filled voxel.
+    #[inline]
+    pub fn occluded_each(
+        &self,
+        arithmetic: Arithmetic,
+        count: usize,
+        ray: impl Fn(usize) -> Query,
+        mut put: impl FnMut(usize, bool),
+    ) {
         match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.occluded(&queries, blocked),
-            None => {
-                let answers = queries.iter().map(|query| self.occluded(arithmetic, query));
-                blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
-            }
+            Some(packets) => packets.occluded(&packet::Made { count, ray }, put),
+            None => (0..count).for_each(|i| put(i, self.occluded(arithmetic, &ray(i)))),
         }
     }
 
