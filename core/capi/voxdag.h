@@ -402,7 +402,7 @@ typedef struct VoxdagError {
   // had; otherwise 0.
   uint64_t needed;
   // One sentence in English for people: UTF-8, ends with a zero byte.
-  uint8_t message[256];
+  char message[256];
 } VoxdagError;
 
 // A ray in grid coordinates, in which voxel k spans k to k + 1: grid = (world - origin) / voxel_size. A direction in the

@@ -172,13 +172,7 @@ impl Batch {
     }
 
     fn hit(&self, i: usize) -> VoxdagHit {
-        VoxdagHit {
-            voxel: self.voxels[i],
-            from: self.from[i],
-            t: self.t[i],
-            level: 0,
-            face: self.faces[i].into(),
-        }
+        VoxdagHit { voxel: self.voxels[i], from: self.from[i], t: self.t[i], level: 0, face: self.faces[i].into() }
     }
 }
 
@@ -210,7 +204,10 @@ fn a_scene_says_what_it_is() {
             assert_eq!((info.resolution, info.depth, info.material_count, info.up), (90, 7, 2, VoxdagUp::Z as u32));
             assert_eq!(info.has_normals, matches!(kind, Kind::Normals).into());
             assert_eq!(info.has_colors, matches!(kind, Kind::Colors).into());
-            assert_eq!((info.voxel_count, info.word_count), (scene.geometry.voxels().count() as u64, words.len() as u64));
+            assert_eq!(
+                (info.voxel_count, info.word_count),
+                (scene.geometry.voxels().count() as u64, words.len() as u64)
+            );
             assert_eq!((info.origin, info.voxel_size), (scene.grid.origin, scene.grid.voxel_size));
             assert_eq!((info.bounds_min, info.bounds_max), (scene.bounds.min, scene.bounds.max));
             assert_eq!(info.metres_per_unit, 0.25);
@@ -222,7 +219,10 @@ fn a_scene_says_what_it_is() {
                 assert_eq!((found.ambient, found.emission), (expected.ambient, expected.emission));
                 assert_eq!((found.transmission, found.opacity), (expected.transmission, expected.opacity));
                 assert_eq!((found.refraction, found.shininess), (expected.refraction, expected.shininess));
-                assert_eq!((found.illum, found.textured), (expected.illum.into(), u32::from(id == 1) * info.has_colors));
+                assert_eq!(
+                    (found.illum, found.textured),
+                    (expected.illum.into(), u32::from(id == 1) * info.has_colors)
+                );
                 let mut name = [1; 64];
                 let room = scenes::NAMES[id].len() + 1;
                 call!(voxdag_scene_material_name(open.0, id as u32, name.as_mut_ptr(), room));

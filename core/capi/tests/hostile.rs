@@ -63,7 +63,10 @@ fn pointers() {
     assert_eq!(fails!(voxdag_scene_info(null(), info.as_mut_ptr())).0, S::Null);
     let (status, _, _, message) = fails!(voxdag_scene_info(scene, null_mut()));
     assert_eq!((status, &message[..]), (S::Null, "`info` is a null pointer"));
-    assert_eq!(fails!(voxdag_scene_info(scene.cast::<u8>().wrapping_add(1).cast(), info.as_mut_ptr())).0, S::Misaligned);
+    assert_eq!(
+        fails!(voxdag_scene_info(scene.cast::<u8>().wrapping_add(1).cast(), info.as_mut_ptr())).0,
+        S::Misaligned
+    );
 
     let (ray, mut hit, mut byte) = (voxdag_ray_default(), MaybeUninit::uninit(), 0);
     assert_eq!(fails!(voxdag_trace(null(), &ray, hit.as_mut_ptr())).0, S::Null);
@@ -143,11 +146,16 @@ fn pointers() {
 fn garbage_rays_and_voxels_are_answered() {
     println!("seed {SEED}");
     let mut rng = Rng::new(SEED);
-    for (kind, tree_bytes) in [(Kind::Normals, u64::MAX), (Kind::Colors, 0), (Kind::Mirrors, 0), (Kind::Colors, u64::MAX)] {
+    for (kind, tree_bytes) in
+        [(Kind::Normals, u64::MAX), (Kind::Colors, 0), (Kind::Mirrors, 0), (Kind::Colors, u64::MAX)]
+    {
         let words = scenes::words(kind, 40);
         let mut scene = null_mut();
         // SAFETY: the words outlive the scene.
-        assert_eq!(unsafe { voxdag_scene_open(words.as_ptr(), words.len(), tree_bytes, &mut scene, null_mut()) }, S::Ok);
+        assert_eq!(
+            unsafe { voxdag_scene_open(words.as_ptr(), words.len(), tree_bytes, &mut scene, null_mut()) },
+            S::Ok
+        );
         let count = 2000;
         let mut number = || match rng.below(6) {
             0 => f64::from_bits(rng.bits()),
@@ -308,7 +316,7 @@ fn pictures() {
         (camera.assume_init(), light.assume_init())
     };
     let settings = VoxdagSettings { width: 16, height: 8, ..voxdag_settings_default() };
-    let mut pixels = vec![0u32; 128];
+    let mut pixels = vec![0u32; 144];
     let mut fails_with = |camera: *const _, lights: &[VoxdagLight], settings: VoxdagSettings, rows: [u32; 2], room| {
         let (l, n, p) = (lights.as_ptr(), lights.len(), pixels.as_mut_ptr());
         fails!(voxdag_render_rows(scene, camera, l, n, &settings, rows[0], rows[1], p, room, null_mut()))
@@ -331,7 +339,7 @@ fn pictures() {
         assert_eq!(fails_with(&camera, &[], settings, [0, 0], 128).0, S::PictureSize);
     }
     for rows in [[5, 4], [0, 9], [9, 9]] {
-        assert_eq!(fails_with(&camera, &[], settings, rows, 128 + 16).0, S::PictureRows, "{rows:?}");
+        assert_eq!(fails_with(&camera, &[], settings, rows, 144).0, S::PictureRows, "{rows:?}");
     }
     assert_eq!(fails_with(&camera, &[], settings, [0, 8], 127).2, 128);
     assert_eq!(fails_with(&camera, &[], settings, [0, u32::MAX], 128).0, S::TooSmall);
