@@ -169,3 +169,31 @@ fn check<T>(name: &'static str, pointer: *const T, count: usize) -> Result<(), F
         None => Err(Failure::Count { name, found: count as u64 }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_ends_at_the_border() {
+        // SAFETY: the only pointer is one to what lives here.
+        let caller = unsafe { Caller::new() };
+        let mut error = MaybeUninit::<VoxdagError>::uninit();
+        let status = caller.run(error.as_mut_ptr(), || panic!("on purpose"));
+        // SAFETY: written, as the status is not OK.
+        let error = unsafe { error.assume_init() };
+        assert_eq!((status, error.status), (VoxdagStatus::Panic, VoxdagStatus::Panic));
+        assert_eq!(caller.run(core::ptr::null_mut(), || Ok(())), VoxdagStatus::Ok);
+    }
+
+    #[test]
+    fn what_is_given_is_taken_back() {
+        // SAFETY: the only pointers are to what lives here.
+        let caller = unsafe { Caller::new() };
+        let (list, mut place) = (std::sync::Arc::new(()), core::ptr::null_mut());
+        caller.give("place", &mut place, list.clone()).unwrap();
+        assert_eq!(std::sync::Arc::strong_count(&list), 2);
+        caller.take(place);
+        assert_eq!(std::sync::Arc::strong_count(&list), 1);
+    }
+}

@@ -2,7 +2,7 @@
 //!
 //! In: plain numbers, structures of them, and memory that the caller lends. Out: a status, and what was asked for in the
 //! caller's memory. The core does all the work; here are only conversions. This is the only crate with unsafe code, in
-//! [`border`] alone: every function states once that its caller keeps the header's promise, and goes on in safe code.
+//! the module `border` alone: every function states once that its caller keeps the header's promise, and goes on in safe code.
 //!
 //! A scene is a handle that the library makes and the caller closes, not storage that the caller lends: the trees that make
 //! rays fast need the heap in any case, a structure's size would be part of the ABI, and a handle can only be null or right.

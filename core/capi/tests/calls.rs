@@ -86,7 +86,7 @@ fn rays(rng: &mut Rng, side: f64, count: usize) -> Vec<Query> {
             2 => query.t_min = 0.3,
             3 => query.t_max = 0.5,
             4 => query.origin = from.map(|x| x.floor().clamp(0.0, side)),
-            5 if i % 3 == 0 => query.dir = [f64::NAN, 1.0, 0.0],
+            5 if i.is_multiple_of(3) => query.dir = [f64::NAN, 1.0, 0.0],
             5 => query.dir = [0.0; 3],
             _ => {}
         }
@@ -312,7 +312,7 @@ fn normals_materials_and_colors_are_the_cores() {
         let words = scenes::words(kind, 90);
         let scene = file::read(&words).unwrap();
         let tracer = Tracer::new(scene.geometry);
-        let queries = rays(&mut Rng::new(SEED), 90.0, 600);
+        let queries = rays(&mut Rng::new(SEED), 90.0, 300);
         let hits: Vec<_> = queries.iter().map(|query| tracer.trace(Arithmetic::Exact, query)).collect();
         for open in all_ways(&words) {
             let mut batch = Batch::new(&queries);

@@ -68,47 +68,47 @@ fn bytes_of(words: &[u32]) -> Vec<u8> {
     words.iter().flat_map(|word| word.to_le_bytes()).collect()
 }
 
-fn palette(scene: &file::Scene<'_>) -> Vec<Material> {
-    (0..scene.material_count()).map(|id| scene.material(id as u16)).collect()
-}
-
 #[test]
 fn the_c_example_draws_what_rust_draws() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR"));
-    let [path, picture, broken] = ["draw.vxd", "draw.ppm", "broken.vxd"].map(|name| folder.join(name));
-    let words = scenes::words(Kind::Colors, 120);
-    std::fs::write(&path, bytes_of(&words)).unwrap();
-    std::fs::write(&broken, &bytes_of(&words)[..1000]).unwrap();
+    let [path, picture] = ["draw.vxd", "draw.ppm"].map(|name| folder.join(name));
+    let arguments = [&path, &picture, Path::new("160"), Path::new("90")];
+    for (kind, compiler) in [(Kind::Normals, C99), (Kind::Mirrors, C99), (Kind::Colors, C11)] {
+        let Some(program) = compile("draw.c", compiler) else { return };
+        let words = scenes::words(kind, 120);
+        std::fs::write(&path, bytes_of(&words)).unwrap();
+        let printed = run(&program, &arguments);
+        let scene = file::read(&words).unwrap();
+        assert!(std::fs::read(&picture).unwrap() == picture_of(&scene), "{kind:?}, {compiler:?}: another picture");
+        let voxels = scene.geometry.voxels().count();
+        for line in ["resolution 120, depth 7", &format!("voxels {voxels} in {} words", words.len()), "\"floor\""] {
+            assert!(printed.contains(line), "{line} is not in\n{printed}");
+        }
+        // A damaged file: what the core says of it.
+        std::fs::write(&path, &bytes_of(&words)[..1000]).unwrap();
+        let output = Command::new(&program).args(arguments).output().unwrap();
+        assert_eq!(output.status.code(), Some(1));
+        let message = file::read(&words[..250]).unwrap_err().to_string();
+        assert!(String::from_utf8_lossy(&output.stderr).contains(&message));
+    }
+}
 
-    let scene = file::read(&words).unwrap();
+/// The default view, 160 x 90.
+fn picture_of(scene: &file::Scene<'_>) -> Vec<u8> {
     let camera = Camera::framing(&scene.bounds, scene.up);
     let settings = Settings { width: 160, height: 90, ..Settings::default() };
+    let palette: Vec<_> = (0..scene.material_count()).map(|id| scene.material(id as u16)).collect();
     let view = View {
         tracer: Tracer::new(scene.geometry),
         materials: scene.looks(),
-        palette: &palette(&scene),
+        palette: &palette,
         grid: scene.grid,
         camera,
         lights: &[camera.headlight(scene.bounds.radius())],
     };
     let mut pixels = vec![0; 160 * 90];
     render_rows(&view, &settings, 0..90, &mut pixels).unwrap();
-    let expected = ppm(160, 90, pixels.iter().flat_map(|pixel| pixel.to_le_bytes().into_iter().take(3)));
-
-    for compiler in [C99, C11] {
-        let Some(program) = compile("draw.c", compiler) else { return };
-        let printed = run(&program, &[&path, &picture, Path::new("160"), Path::new("90")]);
-        assert!(std::fs::read(&picture).unwrap() == expected, "{compiler:?}: another picture");
-        let voxels = scene.geometry.voxels().count();
-        for line in ["resolution 120, depth 7", &format!("voxels {voxels} in {} words", words.len()), "\"floor\""] {
-            assert!(printed.contains(line), "{line} is not in\n{printed}");
-        }
-        // The way of an error.
-        let output = Command::new(&program).args([&broken, &picture]).output().unwrap();
-        assert_eq!(output.status.code(), Some(1));
-        let message = file::read(&words[..250]).unwrap_err().to_string();
-        assert!(String::from_utf8_lossy(&output.stderr).contains(&message));
-    }
+    ppm(160, 90, pixels.iter().flat_map(|pixel| pixel.to_le_bytes().into_iter().take(3)))
 }
 
 #[test]
