@@ -1,9 +1,11 @@
 //! What the C ABI costs: batches of 1024 rays through `voxdag_trace_many` and through the core's `trace_many`, in turns.
 //!
 //! `cargo bench -p voxdag-capi` draws the demo's rays; `cargo bench -p voxdag-capi -- FILE.vxd` those of another scene. Prints
-//! medians of rounds and their ratio, for rays of a camera in tiles of 32 x 32 and for rays without any order.
+//! medians over rounds of the times and of their ratios, for rays of a camera in tiles of 32 x 32 and for rays without any
+//! order. The two take turns batch by batch, the first one changing, so that whatever else the machine does slows both.
 
 use std::hint::black_box;
+use std::ops::Range;
 use std::ptr::{null, null_mut};
 use std::time::Instant;
 
@@ -62,18 +64,28 @@ fn main() {
             let mut hits = vec![None; BATCH];
             let mut out =
                 Out { voxels: vec![0; BATCH], from: vec![0; BATCH], t: vec![0.0; BATCH], faces: vec![0; BATCH] };
-            let (mut core, mut c) = (Vec::new(), Vec::new());
+            let (mut core, mut c, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
             for _ in 0..ROUNDS {
-                core.push(timed(|| through_core(&scene, &derived, queries, &mut hits)));
-                c.push(timed(|| through_c(handle, &columns, &mut out)));
+                let mut times = [0.0; 2];
+                for (number, batch) in queries.chunks(BATCH).enumerate() {
+                    let range = number * BATCH..number * BATCH + batch.len();
+                    for turn in [number % 2, (number + 1) % 2] {
+                        times[turn] += match turn {
+                            0 => timed(|| through_core(&scene, &derived, batch, &mut hits)),
+                            _ => timed(|| through_c(handle, &columns, range.clone(), &mut out)),
+                        };
+                    }
+                }
+                core.push(times[0]);
+                c.push(times[1]);
+                ratios.push(times[1] / times[0]);
             }
-            let (core, c) = (median(core), median(c));
-            let per_ray = |time: f64| 1e9 * time / queries.len() as f64;
+            let per_ray = |times| 1e9 * median(times) / queries.len() as f64;
             println!(
                 "{trees:8} {name:9}  Rust {:6.1} ns a ray, C {:6.1} ns, ratio {:.3}",
                 per_ray(core),
                 per_ray(c),
-                c / core
+                median(ratios)
             );
         }
         // SAFETY: opened above.
@@ -105,37 +117,33 @@ impl Columns {
 }
 
 #[inline(never)]
-fn through_core(scene: &file::Scene<'_>, trees: &Trees, queries: &[Query], hits: &mut [Option<Hit>]) {
-    for batch in queries.chunks(BATCH) {
-        with_tracer!(scene.geometry, trees, tracer => tracer.trace_many(Arithmetic::Exact, batch, hits));
-        black_box(&hits);
-    }
+fn through_core(scene: &file::Scene<'_>, trees: &Trees, batch: &[Query], hits: &mut [Option<Hit>]) {
+    with_tracer!(scene.geometry, trees, tracer => tracer.trace_many(Arithmetic::Exact, batch, hits));
+    black_box(hits);
 }
 
 #[inline(never)]
-fn through_c(scene: *const VoxdagScene, columns: &Columns, out: &mut Out) {
-    for (origins, directions) in columns.origins.chunks(BATCH).zip(columns.directions.chunks(BATCH)) {
-        let rays = VoxdagRays {
-            count: origins.len(),
-            origins: origins.as_ptr().cast(),
-            directions: directions.as_ptr().cast(),
-            t_min: null(),
-            t_max: null(),
-            starts: null(),
-            min_level: 0,
-            arithmetic: 0,
-        };
-        let hits = VoxdagHits {
-            voxels: out.voxels.as_mut_ptr(),
-            from: out.from.as_mut_ptr(),
-            t: out.t.as_mut_ptr(),
-            faces: out.faces.as_mut_ptr(),
-        };
-        // SAFETY: a scene that is open, and arrays of as many items as the count says, or more.
-        let status = unsafe { voxdag_trace_many(scene, &rays, &hits, null_mut()) };
-        assert_eq!(status, VoxdagStatus::Ok);
-        black_box(&out);
-    }
+fn through_c(scene: *const VoxdagScene, columns: &Columns, range: Range<usize>, out: &mut Out) {
+    let rays = VoxdagRays {
+        count: range.len(),
+        origins: columns.origins[range.clone()].as_ptr().cast(),
+        directions: columns.directions[range].as_ptr().cast(),
+        t_min: null(),
+        t_max: null(),
+        starts: null(),
+        min_level: 0,
+        arithmetic: 0,
+    };
+    let hits = VoxdagHits {
+        voxels: out.voxels.as_mut_ptr(),
+        from: out.from.as_mut_ptr(),
+        t: out.t.as_mut_ptr(),
+        faces: out.faces.as_mut_ptr(),
+    };
+    // SAFETY: a scene that is open, and arrays of as many items as the count says, or more.
+    let status = unsafe { voxdag_trace_many(scene, &rays, &hits, null_mut()) };
+    assert_eq!(status, VoxdagStatus::Ok);
+    black_box(out);
 }
 
 fn timed(work: impl FnOnce()) -> f64 {

@@ -247,7 +247,14 @@ impl<'a, G: Geometry> Tracer<'a, G> {
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
     pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
-        self.trace_each(arithmetic, queries.len().min(hits.len()), |i| queries[i], |i, hit| hits[i] = hit);
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => {
+                let count = queries.len().min(hits.len());
+                packets.trace(&packet::Made { count, ray: |i| queries[i] }, |i, hit| hits[i] = hit);
+            }
+            // In place: a copy of each costs some percent.
+            None => queries.iter().zip(hits).for_each(|(query, hit)| *hit = self.trace(arithmetic, query)),
+        }
     }
 
     /// Traces `count` rays: `ray(i)` says which, `put(i, hit)` takes the answers, in order. For rays and hits that lie in
