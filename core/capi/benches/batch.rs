@@ -14,9 +14,9 @@ use voxdag::file::{self, Parts};
 use voxdag::grid::UpAxis;
 use voxdag::layout::AnyGeometry;
 use voxdag::scene::{Build, Options};
-use voxdag::trace::{Arithmetic, Hit, Query};
+use voxdag::trace::{Arithmetic, Hit, Query, Tracer};
 use voxdag::trees::Trees;
-use voxdag::{Grid, with_tracer};
+use voxdag::{Geometry, Grid, with_tracer};
 use voxdag_capi::*;
 use voxdag_oracle::rng::Rng;
 
@@ -65,13 +65,13 @@ fn main() {
             let mut out =
                 Out { voxels: vec![0; BATCH], from: vec![0; BATCH], t: vec![0.0; BATCH], faces: vec![0; BATCH] };
             let (mut core, mut c, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
-            for _ in 0..ROUNDS {
+            with_tracer!(scene.geometry, &derived, tracer => for _ in 0..ROUNDS {
                 let mut times = [0.0; 2];
                 for (number, batch) in queries.chunks(BATCH).enumerate() {
                     let range = number * BATCH..number * BATCH + batch.len();
                     for turn in [number % 2, (number + 1) % 2] {
                         times[turn] += match turn {
-                            0 => timed(|| through_core(&scene, &derived, batch, &mut hits)),
+                            0 => timed(|| through_core(&tracer, batch, &mut hits)),
                             _ => timed(|| through_c(handle, &columns, range.clone(), &mut out)),
                         };
                     }
@@ -79,7 +79,7 @@ fn main() {
                 core.push(times[0]);
                 c.push(times[1]);
                 ratios.push(times[1] / times[0]);
-            }
+            });
             let per_ray = |times| 1e9 * median(times) / queries.len() as f64;
             println!(
                 "{trees:8} {name:9}  Rust {:6.1} ns a ray, C {:6.1} ns, ratio {:.3}",
@@ -117,8 +117,8 @@ impl Columns {
 }
 
 #[inline(never)]
-fn through_core(scene: &file::Scene<'_>, trees: &Trees, batch: &[Query], hits: &mut [Option<Hit>]) {
-    with_tracer!(scene.geometry, trees, tracer => tracer.trace_many(Arithmetic::Exact, batch, hits));
+fn through_core<G: Geometry>(tracer: &Tracer<'_, G>, batch: &[Query], hits: &mut [Option<Hit>]) {
+    tracer.trace_many(Arithmetic::Exact, batch, hits);
     black_box(hits);
 }
 

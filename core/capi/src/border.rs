@@ -6,7 +6,8 @@
 //! ([`Caller::room`]): a C program need not clear it.
 
 use core::ffi::{CStr, c_char};
-use core::mem::MaybeUninit;
+use core::mem::{ManuallyDrop, MaybeUninit};
+use core::ptr::NonNull;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::error::{Failure, VoxdagError, VoxdagStatus};
@@ -129,30 +130,70 @@ impl Caller {
     /// Gives the caller an object, to be handed back to [`Caller::take`].
     pub fn give<T>(&self, name: &'static str, place: *mut *mut T, object: T) -> Result<(), Failure> {
         let place = &mut self.room(name, place, 1)?[0];
-        // Unlike `Box::new` this does not abort if there is no memory.
-        let mut list = Vec::new();
-        list.try_reserve_exact(1).map_err(|_| Failure::Memory { needed: size_of::<T>() as u64 })?;
-        list.push(object);
-        place.write(Box::into_raw(list.into_boxed_slice()).cast());
+        place.write(Kept::new(object)?.into_raw());
         Ok(())
     }
 
     /// Takes back what [`Caller::give`] gave, and drops it; a null pointer is nothing.
     pub fn take<T>(&self, object: *mut T) {
-        if !object.is_null() {
-            // SAFETY: it is from `give`, which made a slice of one, and promised not to be used again.
-            drop(unsafe { Box::from_raw(core::ptr::slice_from_raw_parts_mut(object, 1)) });
+        if let Some(object) = NonNull::new(object) {
+            // SAFETY: it is from `give`, and promised not to be used again.
+            drop(unsafe { Kept::from_raw(object) });
         }
     }
 }
 
-/// Items that are kept beside what borrows them.
+/// What is kept beside what borrows it.
 ///
 /// # Safety
-/// The items must be neither moved in memory nor changed nor freed while the result is in use.
-pub(crate) unsafe fn forever<T>(items: &[T]) -> &'static [T] {
+/// It must be neither moved in memory nor changed nor freed while the result is in use.
+pub(crate) unsafe fn forever<T: ?Sized>(item: &T) -> &'static T {
     // SAFETY: as promised; a reference is valid but for its lifetime.
-    unsafe { core::slice::from_raw_parts(items.as_ptr(), items.len()) }
+    unsafe { &*core::ptr::from_ref(item) }
+}
+
+/// An object on the heap that stays where it is when its owner moves, for [`forever`]; a `Box` may not be borrowed from
+/// while it moves.
+pub(crate) struct Kept<T>(NonNull<T>);
+
+// SAFETY: it owns the object, as a `Box` does.
+unsafe impl<T: Send> Send for Kept<T> {}
+// SAFETY: shared, it gives shared references only.
+unsafe impl<T: Sync> Sync for Kept<T> {}
+
+impl<T> Kept<T> {
+    pub fn new(object: T) -> Result<Kept<T>, Failure> {
+        // Unlike `Box::new` this does not abort if there is no memory.
+        let mut list = Vec::new();
+        list.try_reserve_exact(1).map_err(|_| Failure::Memory { needed: size_of::<T>() as u64 })?;
+        list.push(object);
+        let first = Box::into_raw(list.into_boxed_slice()).cast();
+        // SAFETY: a pointer to an object is not null.
+        Ok(Kept(unsafe { NonNull::new_unchecked(first) }))
+    }
+
+    pub fn get(&self) -> &T {
+        // SAFETY: it lives until `drop`.
+        unsafe { self.0.as_ref() }
+    }
+
+    /// Hands the object over, to be taken back by [`Kept::from_raw`].
+    fn into_raw(self) -> *mut T {
+        ManuallyDrop::new(self).0.as_ptr()
+    }
+
+    /// # Safety
+    /// The pointer must be from [`Kept::into_raw`], and not be used any more.
+    unsafe fn from_raw(object: NonNull<T>) -> Kept<T> {
+        Kept(object)
+    }
+}
+
+impl<T> Drop for Kept<T> {
+    fn drop(&mut self) {
+        // SAFETY: `new` made a slice of one, which is dropped once.
+        drop(unsafe { Box::from_raw(core::ptr::slice_from_raw_parts_mut(self.0.as_ptr(), 1)) });
+    }
 }
 
 /// What can be checked of a pointer to `count` items.

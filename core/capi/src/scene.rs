@@ -5,22 +5,54 @@ use core::mem::MaybeUninit;
 
 use voxdag::file::{self, Scene};
 use voxdag::grid::UpAxis;
+use voxdag::layout::AnyGeometry;
 use voxdag::material::{Material, MaterialId};
-use voxdag::trees::Trees;
-use voxdag::{Geometry, Grid};
+use voxdag::simd::Level;
+use voxdag::trace::Tracer;
+use voxdag::trees::{Trees, tracer};
+use voxdag::wide::Wide;
+use voxdag::{Dag, Geometry, Grid};
 
-use crate::border::{Caller, forever};
+use crate::border::{Caller, Kept, forever};
 use crate::error::{Failure, VoxdagError, VoxdagStatus};
 
 /// A scene that was opened. It never changes: any number of threads may use it at the same time.
 pub struct VoxdagScene {
-    // The words come last, so that they outlive what borrows them.
+    // What is borrowed from comes last, so that it outlives what borrows it.
+    pub(crate) tracer: AnyTracer,
     pub(crate) scene: Scene<'static>,
-    pub(crate) trees: Trees,
     pub(crate) palette: Vec<Material>,
     words: usize,
+    trees: Kept<Trees>,
     _owned: Vec<u32>,
 }
+
+/// What answers rays of a scene: its wide tree, its DAG, or whatever else it has, which is asked for its layout at every
+/// step. Made once, as a top grid is checked as a whole.
+pub(crate) enum AnyTracer {
+    Wide(Tracer<'static, Wide<'static>>),
+    Dag(Tracer<'static, Dag<'static>>),
+    Other(Tracer<'static, AnyGeometry<'static>>),
+}
+
+/// Runs the same expression with what answers rays of a scene. Three copies of each kernel are compiled, not one for each
+/// layout there is.
+macro_rules! with_tracer {
+    ($scene:expr, $tracer:ident => $body:expr) => {
+        match $scene.tracer {
+            $crate::scene::AnyTracer::Wide($tracer) => $body,
+            $crate::scene::AnyTracer::Dag($tracer) => $body,
+            $crate::scene::AnyTracer::Other($tracer) => $body,
+        }
+    };
+}
+pub(crate) use with_tracer;
+
+/// Threads may share a scene.
+const _: fn() = || {
+    fn shared<T: Send + Sync>() {}
+    shared::<VoxdagScene>();
+};
 
 /// Which axis of the world points up.
 #[repr(u32)]
@@ -91,30 +123,6 @@ pub struct VoxdagMaterial {
     pub textured: u32,
 }
 
-/// Runs the same expression with what answers rays of a scene: its wide tree, its DAG, or whatever else it has, which is
-/// asked for its layout at every step. Three copies of each kernel are compiled, not one for each layout there is.
-macro_rules! with_tracer {
-    ($scene:expr, $tracer:ident => $body:expr) => {{
-        let $crate::VoxdagScene { scene, trees, .. } = $scene;
-        let (top, level) = (trees.top.as_ref(), voxdag::simd::Level::best());
-        match (&trees.wide, scene.geometry) {
-            (Some(wide), _) => {
-                let $tracer = voxdag::trees::tracer(wide.as_wide(), top).with_level(level);
-                $body
-            }
-            (None, voxdag::layout::AnyGeometry::Dag(dag)) => {
-                let $tracer = voxdag::trees::tracer(dag, top).with_level(level);
-                $body
-            }
-            (None, geometry) => {
-                let $tracer = voxdag::trees::tracer(geometry, top).with_level(level);
-                $body
-            }
-        }
-    }};
-}
-pub(crate) use with_tracer;
-
 impl VoxdagScene {
     /// `words` are kept by the caller, or are those of `owned`.
     fn new(words: &'static [u32], owned: Vec<u32>, tree_bytes: u64) -> Result<VoxdagScene, Failure> {
@@ -125,8 +133,16 @@ impl VoxdagScene {
             .try_reserve_exact(count)
             .map_err(|_| Failure::Memory { needed: (count * size_of::<Material>()) as u64 })?;
         palette.extend((0..count).map(|id| scene.material(id as MaterialId)));
-        let trees = Trees::new(scene.geometry, (tree_bytes != u64::MAX).then_some(tree_bytes));
-        Ok(VoxdagScene { scene, trees, palette, words: words.len(), _owned: owned })
+        let trees = Kept::new(Trees::new(scene.geometry, (tree_bytes != u64::MAX).then_some(tree_bytes)))?;
+        // SAFETY: the scene keeps them, where they are and as they are, as long as itself.
+        let derived = unsafe { forever(trees.get()) };
+        let (top, level) = (derived.top.as_ref(), Level::best());
+        let tracer = match (&derived.wide, scene.geometry) {
+            (Some(wide), _) => AnyTracer::Wide(tracer(wide.as_wide(), top).with_level(level)),
+            (None, AnyGeometry::Dag(dag)) => AnyTracer::Dag(tracer(dag, top).with_level(level)),
+            (None, geometry) => AnyTracer::Other(tracer(geometry, top).with_level(level)),
+        };
+        Ok(VoxdagScene { tracer, scene, palette, words: words.len(), trees, _owned: owned })
     }
 
     fn info(&self) -> Result<VoxdagSceneInfo, Failure> {
@@ -144,7 +160,7 @@ impl VoxdagScene {
             has_colors: self.scene.colors.is_some().into(),
             voxel_count: stats.voxels,
             word_count: self.words as u64,
-            tree_bytes: self.trees.bytes(),
+            tree_bytes: self.trees.get().bytes(),
             origin,
             voxel_size,
             bounds_min: bounds.min,
@@ -224,7 +240,7 @@ pub unsafe extern "C" fn voxdag_scene_open_bytes(
         let owned = file::words_from_bytes(caller.slice("bytes", bytes, byte_count)?)?;
         caller.room("scene", scene, 1)?;
         // SAFETY: the scene keeps the list, unchanged, as long as itself.
-        let words = unsafe { forever(&owned) };
+        let words = unsafe { forever(&owned[..]) };
         caller.give("scene", scene, VoxdagScene::new(words, owned, tree_bytes)?)
     })
 }
