@@ -81,9 +81,60 @@ impl<G: Geometry> Tracer<'_, G> {
     /// ```
     pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
         match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(&queries, hits),
+            Some(packets) => {
+                let count = queries.len().min(hits.len());
+                packets.trace(&packet::Made { count, ray: |i| queries[i] }, |i, hit| hits[i] = hit);
+            }
+            // In place: a copy of each costs some percent.
             None => queries.iter().zip(hits).for_each(|(query, hit)| *hit = self.trace(arithmetic, query)),
         }
+    }
+
+    /// Traces `count` rays: `ray(i)` says which, `put(i, hit)` takes the answers, in order. For rays and hits that lie in
+    /// memory in a way of their own, such as an array for each coordinate; `ray` may be asked more than once for the same.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Query, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let (x, mut t) = ([0.5, 1.5], [f64::INFINITY; 2]);
+    /// let ray = |i: usize| Query::new([x[i], 0.5, 9.0], [0.0, 0.0, -2.0]);
+    /// tracer.trace_each(Arithmetic::Exact, 2, ray, |i, hit| t[i] = hit.map_or(t[i], |hit| hit.t));
+    /// assert_eq!(t, [4.0, f64::INFINITY]);
+    /// ```
+    #[inline]
+    pub fn trace_each(
+        &self,
+        arithmetic: Arithmetic,
+        count: usize,
+        ray: impl Fn(usize) -> Query,
+        mut put: impl FnMut(usize, Option<Hit>),
+    ) {
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => packets.trace(&packet::Made { count, ray }, put),
+            None => (0..count).for_each(|i| put(i, self.trace(arithmetic, &ray(i)))),
+        }
+    }
+
+    /// Traces rays that come as columns; `hits[i]` becomes the answer to ray `i`, as far as all slices reach.
+    ///
+    /// ```
+    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Columns, Tracer}};
+    /// # let mut builder = DagBuilder::new(2).unwrap();
+    /// # builder.push(Morton(0), 1).unwrap();
+    /// # let built = builder.finish().unwrap();
+    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
+    /// let (zero, half) = ([0.0; 2], [0.5; 2]);
+    /// let rays = Columns { origin: [&[0.5, 1.5], &half, &[9.0; 2]], dir: [&zero, &zero, &[-2.0; 2]], t_max: None };
+    /// let mut hits = [None; 2];
+    /// tracer.trace_columns(Arithmetic::Exact, &rays, &mut hits);
+    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
+    /// ```
+    pub fn trace_columns(&self, arithmetic: Arithmetic, rays: &Columns<'_>, hits: &mut [Option<Hit>]) {
+        let count = rays.len().min(hits.len());
+        self.trace_each(arithmetic, count, |i| rays.query(i), |i, hit| hits[i] = hit);
     }
 
     /// Traces the rays of a tile; `hits[i]` becomes the answer to the ray through `places[i]`, as far as both slices
@@ -104,31 +155,13 @@ impl<G: Geometry> Tracer<'_, G> {
     /// ```
     pub fn trace_tile(&self, arithmetic: Arithmetic, tile: &Tile<'_>, hits: &mut [Option<Hit>]) {
         match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(tile, hits),
+            Some(packets) => {
+                let count = tile.places.len().min(hits.len());
+                packets.trace(&Tile { places: &tile.places[..count], ..*tile }, |i, hit| hits[i] = hit);
+            }
             None => tile.places.iter().zip(hits).for_each(|(place, hit)| {
                 *hit = self.trace(arithmetic, &Query::new(tile.origin, tile.direction(*place)));
             }),
-        }
-    }
-
-    /// Traces rays that come as columns; `hits[i]` becomes the answer to ray `i`, as far as all slices reach.
-    ///
-    /// ```
-    /// # use voxdag::{Morton, build::DagBuilder, trace::{Arithmetic, Columns, Tracer}};
-    /// # let mut builder = DagBuilder::new(2).unwrap();
-    /// # builder.push(Morton(0), 1).unwrap();
-    /// # let built = builder.finish().unwrap();
-    /// let tracer = Tracer::new(built.dag()); // one voxel, at (0, 0, 0)
-    /// let (zero, half) = ([0.0; 2], [0.5; 2]);
-    /// let rays = Columns { origin: [&[0.5, 1.5], &half, &[9.0; 2]], dir: [&zero, &zero, &[-2.0; 2]], t_max: None };
-    /// let mut hits = [None; 2];
-    /// tracer.trace_columns(Arithmetic::Exact, &rays, &mut hits);
-    /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
-    /// ```
-    pub fn trace_columns(&self, arithmetic: Arithmetic, rays: &Columns<'_>, hits: &mut [Option<Hit>]) {
-        match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.trace(rays, hits),
-            None => (0..rays.len()).zip(hits).for_each(|(i, hit)| *hit = self.trace(arithmetic, &rays.query(i))),
         }
     }
 
@@ -147,23 +180,28 @@ impl<G: Geometry> Tracer<'_, G> {
     /// assert_eq!(blocked, [true, false]);
     /// ```
     pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
+        let count = queries.len().min(blocked.len());
+        self.occluded_each(arithmetic, count, |i| queries[i], |i, answer| blocked[i] = answer);
+    }
+
+    /// [`Tracer::trace_each`] for the question whether a ray meets any filled voxel.
+    #[inline]
+    pub fn occluded_each(
+        &self,
+        arithmetic: Arithmetic,
+        count: usize,
+        ray: impl Fn(usize) -> Query,
+        mut put: impl FnMut(usize, bool),
+    ) {
         match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.occluded(&queries, blocked),
-            None => {
-                let answers = queries.iter().map(|query| self.occluded(arithmetic, query));
-                blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
-            }
+            Some(packets) => packets.occluded(&packet::Made { count, ray }, put),
+            None => (0..count).for_each(|i| put(i, self.occluded(arithmetic, &ray(i)))),
         }
     }
 
-    /// The same for rays that come as columns.
+    /// [`Tracer::trace_columns`] for the question whether a ray meets any filled voxel.
     pub fn occluded_columns(&self, arithmetic: Arithmetic, rays: &Columns<'_>, blocked: &mut [bool]) {
-        match packet::Packets::of(self, arithmetic) {
-            Some(packets) => packets.occluded(rays, blocked),
-            None => {
-                let answers = (0..rays.len()).map(|i| self.occluded(arithmetic, &rays.query(i)));
-                blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = answer);
-            }
-        }
+        let count = rays.len().min(blocked.len());
+        self.occluded_each(arithmetic, count, |i| rays.query(i), |i, answer| blocked[i] = answer);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::enter::{Rays, Walks, enter};
 use super::walk::Ends;
-use super::{CHUNK, Source};
+use super::{CHUNK, Made, Source};
 use crate::simd::Level;
 use crate::trace::Query;
 
@@ -33,7 +33,7 @@ fn places_are_off_by_less_than_the_bound_and_come_near_to_what_was_derived() {
             Query::new(origin, core::array::from_fn(|i| target[i] - origin[i]))
         });
         rays.len = CHUNK;
-        (&queries[..]).fill(0, &mut rays);
+        Made { count: CHUNK, ray: |i| queries[i] }.fill(0, &mut rays);
         enter(level, &mut rays, SIZE, &mut ends, &mut walks);
         for k in 0..walks.len {
             seen += 1;

@@ -17,7 +17,7 @@ mod enter;
 mod walk;
 
 use super::ray::{Ray, axes};
-use super::{Arithmetic, Columns, Hit, Query, Steps, Tile, Tracer, walk as scalar};
+use super::{Arithmetic, Hit, Query, Steps, Tile, Tracer, walk as scalar};
 use crate::geometry::Geometry;
 use crate::simd::Level;
 use arrive::Found;
@@ -71,41 +71,42 @@ impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
         })
     }
 
-    /// The nearest hit of every ray.
-    pub(super) fn trace(&self, source: &impl Source, hits: &mut [Option<Hit>]) {
+    /// The nearest hit of every ray, in order.
+    pub(super) fn trace(&self, source: &impl Source, mut put: impl FnMut(usize, Option<Hit>)) {
         let mut found = Found::ZERO;
-        self.each_chunk(source, hits.len(), |from, rays, ends| {
+        self.each_chunk(source, |from, rays, ends| {
             arrive::arrive(self.level, rays, ends, 1 << self.tables.depth, &mut found);
-            for (k, hit) in hits[from..].iter_mut().enumerate().take(rays.len) {
-                *hit = match ends.how[k] {
+            for k in 0..rays.len.min(CHUNK) {
+                let hit = match ends.how[k] {
                     End::Miss => None,
                     End::Hit if found.is_clear(k) => Some(found.hit(k)),
                     how => self.follow(&source.query(from + k), how, ends.voxel(k)),
                 };
+                put(from + k, hit);
             }
         });
     }
 
-    /// Whether every ray hits.
-    pub(super) fn occluded(&self, source: &impl Source, blocked: &mut [bool]) {
-        self.each_chunk(source, blocked.len(), |from, rays, ends| {
-            for (k, blocked) in blocked[from..].iter_mut().enumerate().take(rays.len) {
-                *blocked = match ends.how[k] {
+    /// Whether every ray hits, in order.
+    pub(super) fn occluded(&self, source: &impl Source, mut put: impl FnMut(usize, bool)) {
+        self.each_chunk(source, |from, rays, ends| {
+            for k in 0..rays.len.min(CHUNK) {
+                let blocked = match ends.how[k] {
                     End::Miss => false,
                     End::Hit => true,
                     how => self.follow(&source.query(from + k), how, ends.voxel(k)).is_some(),
                 };
+                put(from + k, blocked);
             }
         });
     }
 
-    /// Lets rays enter and walk, chunk by chunk, as many as there are of both.
+    /// Lets rays enter and walk, chunk by chunk.
     #[inline]
-    fn each_chunk(&self, source: &impl Source, most: usize, mut each: impl FnMut(usize, &Rays, &Ends)) {
+    fn each_chunk(&self, source: &impl Source, mut each: impl FnMut(usize, &Rays, &Ends)) {
         let (mut rays, mut walks, mut ends) = (Rays::ZERO, Walks::ZERO, Ends::ZERO);
-        let most = most.min(source.len());
-        for from in (0..most).step_by(CHUNK) {
-            rays.len = CHUNK.min(most - from);
+        for from in (0..source.len()).step_by(CHUNK) {
+            rays.len = CHUNK.min(source.len() - from);
             source.fill(from, &mut rays);
             enter::enter(self.level, &mut rays, 1 << self.tables.depth, &mut ends, &mut walks);
             walk::walk(self.level, &self.tables, self.exact, rays.bounded, &walks, &mut ends);
@@ -134,16 +135,22 @@ impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
 /// A time that no ray begins at, which leaves it to the scalar tracer.
 const ELSEWHERE: f64 = f64::NAN;
 
-impl Source for &[Query] {
+/// So many rays, made by number.
+pub(super) struct Made<F> {
+    pub count: usize,
+    pub ray: F,
+}
+
+impl<F: Fn(usize) -> Query> Source for Made<F> {
     fn len(&self) -> usize {
-        (**self).len()
+        self.count
     }
 
     #[inline]
     fn fill(&self, from: usize, rays: &mut Rays) {
-        let queries = &self[from..][..rays.len.min(CHUNK)];
         (rays.started, rays.bounded) = (false, false);
-        for (k, query) in queries.iter().enumerate() {
+        for k in 0..rays.len.min(CHUNK) {
+            let query = (self.ray)(from + k);
             for i in 0..3 {
                 rays.origin[i][k] = query.origin[i];
                 rays.dir[i][k] = query.dir[i];
@@ -155,8 +162,8 @@ impl Source for &[Query] {
             rays.bounded |= query.t_max != f64::INFINITY;
         }
         if rays.started {
-            for (k, query) in queries.iter().enumerate() {
-                let start = query.start.map_or([-1.0; 3], |start| start.decode().map(f64::from));
+            for k in 0..rays.len.min(CHUNK) {
+                let start = (self.ray)(from + k).start.map_or([-1.0; 3], |start| start.decode().map(f64::from));
                 for i in 0..3 {
                     rays.start[i][k] = start[i];
                 }
@@ -164,8 +171,9 @@ impl Source for &[Query] {
         }
     }
 
+    #[inline]
     fn query(&self, number: usize) -> Query {
-        self[number]
+        (self.ray)(number)
     }
 }
 
@@ -189,29 +197,5 @@ impl Source for Tile<'_> {
 
     fn query(&self, number: usize) -> Query {
         Query::new(self.origin, self.direction(self.places[number]))
-    }
-}
-
-impl Source for Columns<'_> {
-    fn len(&self) -> usize {
-        Columns::len(self)
-    }
-
-    #[inline]
-    fn fill(&self, from: usize, rays: &mut Rays) {
-        let count = rays.len.min(CHUNK);
-        (rays.started, rays.bounded) = (false, self.t_max.is_some());
-        for i in 0..3 {
-            rays.origin[i][..count].copy_from_slice(&self.origin[i][from..][..count]);
-            rays.dir[i][..count].copy_from_slice(&self.dir[i][from..][..count]);
-        }
-        (rays.t_min, rays.t_max) = ([0.0; CHUNK], [f64::INFINITY; CHUNK]);
-        if let Some(ends) = self.t_max {
-            rays.t_max[..count].copy_from_slice(&ends[from..][..count]);
-        }
-    }
-
-    fn query(&self, number: usize) -> Query {
-        Columns::query(self, number)
     }
 }
