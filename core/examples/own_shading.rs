@@ -22,8 +22,9 @@ fn sky<G: Geometry, M: Materials>(tracer: &Tracer<'_, G>, materials: M, pixel: &
     let ray = pixel.query([0.5; 2]);
     let hit = tracer.trace(Arithmetic::Exact, &ray)?;
     let up = normal(tracer, materials, &hit, ray.dir, NormalKind::Plane3).direction.map(f64::from);
-    // Half a voxel above the steps of the surface.
-    let place = math::add_scaled(math::add_scaled(ray.origin, ray.dir, hit.t), up, 1.5);
+    // Above the steps of the surface, which are as high as this along the normal.
+    let steps: f64 = up.iter().map(|x| x.abs()).sum();
+    let place = math::add_scaled(math::add_scaled(ray.origin, ray.dir, hit.t), up, steps);
     let open = (0..RAYS).filter(|&i| {
         // Points spread evenly over a ball, added to the normal: more rays where the sky counts more (Lambert).
         let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(RAYS);
@@ -67,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 #[test]
 fn niches_are_darker_than_what_lies_open() {
     let grey = draw([64, 36], 256).unwrap();
-    let share =
-        |range: std::ops::Range<u8>| grey.iter().filter(|x| range.contains(x)).count() as f64 / grey.len() as f64;
-    assert!(share(0..120) > 0.05 && share(180..255) > 0.05, "{grey:?}");
+    let share = |is: fn(&u8) -> bool| grey.iter().copied().filter(is).count() as f64 / grey.len() as f64;
+    let (dark, light) = (share(|grey| *grey < 130), share(|grey| *grey > 190));
+    assert!(dark > 0.05 && light > 0.05, "{dark} is dark, {light} is light");
 }

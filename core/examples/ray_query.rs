@@ -8,7 +8,7 @@ use voxdag::camera::Camera;
 use voxdag::file::{self, Scene};
 use voxdag::normal::{NormalKind, normal};
 use voxdag::trace::{Arithmetic, Query, Tracer};
-use voxdag::{Materials, math};
+use voxdag::{Geometry, Materials, math};
 
 /// What is seen from one place of the world towards another.
 fn look(scene: &Scene<'_>, from: [f64; 3], to: [f64; 3]) -> Option<String> {
@@ -25,8 +25,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = std::env::args().find(|arg| arg.ends_with(".vxd")).unwrap_or(EXAMPLE.into());
     let words = file::words_from_bytes(&std::fs::read(path)?)?;
     let scene = file::read(&words)?;
+    // From the default view's eye to the middle of the first filled voxel: whatever comes first on the way.
     let from = Camera::framing(&scene.bounds, scene.up).eye;
-    println!("{}", look(&scene, from, scene.bounds.center()).as_deref().unwrap_or("nothing"));
+    let first = scene.geometry.voxels().next().ok_or("the scene is empty")?;
+    let to = scene.grid.to_world(first.decode().map(|x| f64::from(x) + 0.5));
+    println!("{}", look(&scene, from, to).as_deref().unwrap_or("nothing"));
     Ok(())
 }
 
@@ -37,8 +40,11 @@ const EXAMPLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/fixtures/v4
 fn the_example_is_seen() {
     let words = file::words_from_bytes(&std::fs::read(EXAMPLE).unwrap()).unwrap();
     let scene = file::read(&words).unwrap();
-    let center = scene.bounds.center();
-    let seen = look(&scene, Camera::framing(&scene.bounds, scene.up).eye, center);
-    assert_eq!(seen.as_deref(), Some(""));
+    let from = Camera::framing(&scene.bounds, scene.up).eye;
+    let seen = look(&scene, from, scene.grid.to_world([0.5; 3]));
+    assert_eq!(
+        seen.as_deref(),
+        Some("voxel [0, 0, 1] of wände at [0.896, 0.000, 1.569], facing [-0.00, -1.00, -0.00]")
+    );
     assert_eq!(look(&scene, [1e6; 3], [2e6; 3]), None);
 }
