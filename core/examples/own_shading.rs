@@ -15,7 +15,7 @@ use voxdag::{Geometry, Grid, Materials, color, math, obj};
 /// Rays to the sky from each place.
 const RAYS: u32 = 32;
 /// How far they look, in voxels.
-const REACH: f64 = 60.0;
+const REACH: f64 = 160.0;
 
 /// The share of the sky, 0 to 1, that is seen from where a pixel's ray ends; `None` where it ends nowhere.
 fn sky<G: Geometry, M: Materials>(tracer: &Tracer<'_, G>, materials: M, pixel: &Pixel<'_>) -> Option<f64> {
