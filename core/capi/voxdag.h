@@ -9,11 +9,14 @@
  *   voxdag_scene_open(). What is written must not overlap anything else that the call reads or writes. It need not be
  *   cleared before. Pointers may be null where that is said, and where the count beside them is 0.
  * - Null pointers, pointers that are not aligned, sizes that overflow, numbers that are not finite or out of range are
- *   answered by a status. A pointer to less memory than the count says, or to memory that was freed, cannot be noticed.
+ *   answered by a status; flags that are not 0 count as 1, and codes of voxels from 2^63 on, but for VOXDAG_NONE, as any
+ *   voxel: they break nothing. A pointer to less memory than the count says, or to memory that was freed, cannot be noticed.
  * - The status is VOXDAG_STATUS_OK (0) or says what is wrong. `error` may be null; otherwise more is written to it where the
  *   status is not OK. Output other than the error is then undefined, but for what is said to be written.
  * - A scene never changes: any number of threads may use it at the same time. Functions keep nothing between calls.
  * - Queries take nothing from the heap, and give the same bits on every machine.
+ * - The thread's floating-point environment is the default one: rounding to nearest, subnormals not flushed to 0 (no FTZ or
+ *   DAZ), nothing linked with -ffast-math.
  * - No panic crosses the border: a defect of the library ends as VOXDAG_STATUS_PANIC, with a message on standard error. */
 
 #ifndef VOXDAG_H
@@ -432,7 +435,8 @@ typedef struct VoxdagHit {
   uint64_t voxel;
   // The last empty voxel before it; `VOXDAG_NONE` if the ray starts in the hit or comes from outside the grid.
   uint64_t from;
-  // Entry, in units of the direction; infinity if the ray missed.
+  // Entry, in units of the direction; infinity if the ray missed or if it is too large for a number; `t_min` if the ray
+  // starts inside.
   double t;
   // 0 for a voxel, else the ray's `min_level`, at most the scene's depth.
   uint32_t level;
@@ -645,7 +649,7 @@ VoxdagStatus voxdag_camera_default(const struct VoxdagScene *scene,
 
 // Draws the rows `first_row` to `end_row - 1` (row 0 is the top) of a picture. Pixels depend on nothing but scene, camera,
 // lights, settings and their place: threads may draw rows of one picture at the same time; fastest for a multiple of 4.
-// Takes up to 500 KiB of stack; the heap only for lights.
+// Takes up to 500 KiB of stack where rays go on from surfaces, else 200 KiB; the heap only for lights.
 //
 // lights: `light_count` of them; null if there are none.
 // pixels: room for `pixel_count` pixels, at least (end_row - first_row) * width, row by row: red in the lowest 8 bits, then
@@ -722,7 +726,7 @@ VoxdagStatus voxdag_normal(const struct VoxdagScene *scene,
                            struct VoxdagError *error);
 
 // The surface's directions at many hits, the same answers as one by one; fastest where hits that follow each other are
-// near each other. Takes about 30 KiB of stack, no heap.
+// near each other. Takes about 50 KiB of stack, no heap.
 //
 // voxels, faces: `count` items, as `voxdag_trace_many` wrote them. directions: 3 * count numbers, those of the rays.
 // normals: room for 3 * count numbers.

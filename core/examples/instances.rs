@@ -53,7 +53,7 @@ fn solid(inside: impl Fn([f64; 3]) -> bool) -> Result<DagBuf, Box<dyn Error>> {
     let mut builder = DagBuilder::new(6)?;
     for brick in 0..16u64.pow(3) {
         let filled = (0..64).filter(|bit| {
-            let voxel = Morton(64 * brick | bit).decode();
+            let voxel = Morton(64 * brick + bit).decode();
             inside(voxel.map(|x| (f64::from(x) + 0.5) / 32.0 - 1.0))
         });
         let mask = filled.fold(0, |mask, bit| mask | 1 << bit);

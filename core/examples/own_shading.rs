@@ -31,7 +31,8 @@ fn sky<G: Geometry, M: Materials>(tracer: &Tracer<'_, G>, materials: M, pixel: &
         let (sin, cos) = libm::sincos(2.399_963_229_728_653 * f64::from(i));
         let r = (1.0 - z * z).sqrt();
         let dir = math::add_scaled([r * cos, r * sin, z], up, 1.0);
-        !tracer.occluded(Arithmetic::Exact, &Query { t_max: REACH, ..Query::new(place, dir) })
+        let t_max = REACH / math::sqrt(math::dot(dir, dir));
+        !tracer.occluded(Arithmetic::Exact, &Query { t_max, ..Query::new(place, dir) })
     });
     Some(open.count() as f64 / f64::from(RAYS))
 }

@@ -31,7 +31,8 @@ fn voxels_between<G: Geometry>(tracer: &Tracer<'_, G>, from: [f64; 3], to: [f64;
 fn sweep<G: Geometry>(geometry: &G, radius: f64, from: [f64; 3], to: [f64; 3]) -> f64 {
     let way = math::sub(to, from);
     // Rounding must not make it late.
-    let radius = radius * (1.0 + 1e-9) + 1e-9;
+    let largest = from.iter().chain(&to).fold(0.0, |most: f64, x| most.max(x.abs()));
+    let radius = radius * (1.0 + 1e-9) + 1e-9 + 1e-14 * largest;
     // A node holds its box, and a ball around the middle of it: neither is touched before what lies inside.
     let touched = |corner: [u32; 3], side: u32| {
         let (corner, side) = (corner.map(f64::from), f64::from(side));
@@ -92,16 +93,18 @@ fn sweep<G: Geometry>(geometry: &G, radius: f64, from: [f64; 3], to: [f64; 3]) -
 
 /// When a point, `from` the middle of a ball, on its `way` goes into the ball and out of it.
 fn meets_ball(from: [f64; 3], way: [f64; 3], radius: f64) -> Option<(f64, f64)> {
-    let (a, b, c) = (math::dot(way, way), math::dot(from, way), math::dot(from, from) - radius * radius);
+    let (a, b) = (math::dot(way, way), math::dot(from, way));
     if a == 0.0 {
-        return (c <= 0.0).then_some((f64::NEG_INFINITY, f64::INFINITY));
+        return (math::dot(from, from) <= radius * radius).then_some((f64::NEG_INFINITY, f64::INFINITY));
     }
-    let root = math::sqrt(b * b - a * c);
-    // What just grazes it, or misses by less than rounding, counts.
-    if root.is_nan() {
-        return (b * b * (1.0 + 1e-9) >= a * c).then_some((-b / a, -b / a));
+    // Where it is nearest to the middle: squares of large numbers would swallow the radius.
+    let near = math::add_scaled(from, way, -b / a);
+    let rest = radius * radius - math::dot(near, near);
+    if rest < 0.0 {
+        return None;
     }
-    Some(((-b - root) / a, (-b + root) / a))
+    let root = math::sqrt(rest / a);
+    Some((-b / a - root, -b / a + root))
 }
 
 /// A wall with a door, 32 voxels high.
@@ -109,7 +112,7 @@ fn wall() -> Result<DagBuf, Box<dyn Error>> {
     let is_filled = |[x, y, z]: [u32; 3]| (15..17).contains(&x) && !((12..20).contains(&z) && y < 20);
     let mut builder = DagBuilder::new(5)?;
     for brick in 0..8u64.pow(3) {
-        let filled = (0..64).filter(|bit| is_filled(Morton(64 * brick | bit).decode()));
+        let filled = (0..64).filter(|bit| is_filled(Morton(64 * brick + bit).decode()));
         let mask = filled.fold(0, |mask, bit| mask | 1 << bit);
         if mask != 0 {
             builder.push(Morton(64 * brick), mask)?;

@@ -36,6 +36,9 @@ class Scene {
         call(voxdag_scene_open, words_.data(), words_.size(), std::numeric_limits<uint64_t>::max(), &scene);
         scene_.reset(scene);
     }
+    Scene(Scene &&) = default;
+    // Would free the words of a scene that is still open.
+    Scene &operator=(Scene &&) = delete;
     const VoxdagScene *get() const { return scene_.get(); }
     const std::vector<uint32_t> &words() const { return words_; }
 

@@ -12,6 +12,9 @@
 // The header states the promise once for all functions.
 #![allow(clippy::missing_safety_doc)]
 
+#[cfg(not(panic = "unwind"))]
+compile_error!("panics must unwind, so that none crosses into C: build with panic = \"unwind\"");
+
 mod border;
 mod error;
 mod mesh;

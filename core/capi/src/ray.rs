@@ -73,7 +73,8 @@ pub struct VoxdagHit {
     pub voxel: u64,
     /// The last empty voxel before it; `VOXDAG_NONE` if the ray starts in the hit or comes from outside the grid.
     pub from: u64,
-    /// Entry, in units of the direction; infinity if the ray missed.
+    /// Entry, in units of the direction; infinity if the ray missed or if it is too large for a number; `t_min` if the ray
+    /// starts inside.
     pub t: f64,
     /// 0 for a voxel, else the ray's `min_level`, at most the scene's depth.
     pub level: u32,

@@ -16,11 +16,14 @@ const HEAD: &str = "\
  *   voxdag_scene_open(). What is written must not overlap anything else that the call reads or writes. It need not be
  *   cleared before. Pointers may be null where that is said, and where the count beside them is 0.
  * - Null pointers, pointers that are not aligned, sizes that overflow, numbers that are not finite or out of range are
- *   answered by a status. A pointer to less memory than the count says, or to memory that was freed, cannot be noticed.
+ *   answered by a status; flags that are not 0 count as 1, and codes of voxels from 2^63 on, but for VOXDAG_NONE, as any
+ *   voxel: they break nothing. A pointer to less memory than the count says, or to memory that was freed, cannot be noticed.
  * - The status is VOXDAG_STATUS_OK (0) or says what is wrong. `error` may be null; otherwise more is written to it where the
  *   status is not OK. Output other than the error is then undefined, but for what is said to be written.
  * - A scene never changes: any number of threads may use it at the same time. Functions keep nothing between calls.
  * - Queries take nothing from the heap, and give the same bits on every machine.
+ * - The thread's floating-point environment is the default one: rounding to nearest, subnormals not flushed to 0 (no FTZ or
+ *   DAZ), nothing linked with -ffast-math.
  * - No panic crosses the border: a defect of the library ends as VOXDAG_STATUS_PANIC, with a message on standard error. */";
 
 /// What cbindgen makes of the sources, in the order in which one reads them.

@@ -342,7 +342,10 @@ fn pictures() {
         assert_eq!(fails_with(&camera, &[], settings, rows, 144).0, S::PictureRows, "{rows:?}");
     }
     assert_eq!(fails_with(&camera, &[], settings, [0, 8], 127).2, 128);
-    assert_eq!(fails_with(&camera, &[], settings, [0, u32::MAX], 128).0, S::TooSmall);
+    // What is wrong with the size is said first: no room would do.
+    assert_eq!(fails_with(&camera, &[], settings, [0, u32::MAX], 128).0, S::PictureRows);
+    let wide = VoxdagSettings { width: 70_000, ..settings };
+    assert_eq!(fails_with(&camera, &[], wide, [0, 8], 128).0, S::PictureSize);
     let wrong = [
         VoxdagLight { kind: 2, ..light },
         VoxdagLight { position: [f64::NAN; 3], ..light },

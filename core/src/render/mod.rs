@@ -152,8 +152,8 @@ impl core::ops::AddAssign for Counters {
 
 /// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
 ///
-/// Fastest for a multiple of 4 rows. Takes about 80 KiB of stack, most of it for 256 samples on their way (some 150 KiB where
-/// the tracer takes many rays at once), another 150 KiB where rays go on from surfaces, and no heap.
+/// Fastest for a multiple of 4 rows. Takes some 200 KiB of stack, most of it for 256 samples on their way, some 500 KiB where
+/// rays go on from surfaces, and no heap.
 ///
 /// Draws by the kernel [`Phong`] where that is enough, else by [`Full`]: other ones save code, but no time.
 pub fn render_rows<M: Materials, G: Geometry>(

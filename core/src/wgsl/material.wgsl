@@ -7,7 +7,7 @@ fn vd_material(voxel: vec3<u32>) -> u32 {
     if tree == 0u || ((voxel.x | voxel.y | voxel.z) >> root) != 0u {
         return select(0u, vd_scene.material, tree == 0u);
     }
-    let top = vd_words[tree + 1u];
+    let top = min(vd_words[tree + 1u], root);
     var level = root - top;
     let cell = voxel >> vec3(level);
     var entry = vd_words[tree + 28u + ((((cell.z << top) | cell.y) << top) | cell.x)];

@@ -49,7 +49,7 @@ pub enum WgslError {
         /// The section.
         section: Section,
     },
-    /// More than 2^32 words, which 32 bits cannot count.
+    /// More than 2^30 words, whose bytes 32 bits cannot count.
     TooLarge {
         /// Words there are.
         found: u64,
@@ -63,7 +63,7 @@ impl core::fmt::Display for WgslError {
             WgslError::Unsupported { section } => {
                 write!(f, "the shader does not read the section {section}: expected a DAG with a material tree or none")
             }
-            WgslError::TooLarge { found } => write!(f, "the scene has {found} words: expected at most 2^32"),
+            WgslError::TooLarge { found } => write!(f, "the scene has {found} words: expected at most 2^30"),
         }
     }
 }
@@ -75,7 +75,7 @@ impl core::error::Error for WgslError {}
 /// Colours of textures and the materials' opacity are there to be read, but [`SOURCE`] has no use for them.
 pub fn scene(words: &[u32]) -> Result<[u32; SCENE_WORDS], WgslError> {
     let scene = file::read(words).map_err(WgslError::Load)?;
-    if u32::try_from(words.len()).is_err() {
+    if words.len() > 1 << 30 {
         return Err(WgslError::TooLarge { found: words.len() as u64 });
     }
     let AnyGeometry::Dag(geometry) = scene.geometry else {

@@ -175,6 +175,9 @@ fn vd_enter(ray: ptr<function, VdRay>, size: u32) {
     // The voxel asked for, or the origin's. Beyond the cube there is none to be met.
     let query = (*ray).query;
     let negative = (*ray).negative;
+    if !(query.t_max > 0.0) {
+        return;
+    }
     if query.start.x >= 0 {
         let start = vec3<u32>(query.start);
         if all(start < vec3(size)) {

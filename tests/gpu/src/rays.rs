@@ -234,6 +234,11 @@ pub fn check_leaving(gpu: &Gpu, depth: u8, rays: usize) -> u64 {
                 let Query { origin, dir, .. } = first.query();
                 let origin = math::add_scaled(origin, dir, hit.t).map(|x| x as f32);
                 let dir = rng.direction().map(|x| x as f32);
+                // Some begin in the voxel itself, where an end at or before the start still ends them.
+                if rng.below(8) == 0 {
+                    let middle = hit.voxel.decode().map(|x| x as f32 + 0.5);
+                    return Some(Question { t_max: rng.pick(&[0.0, -1.0, 2.0]), ..Question::new(middle, dir) });
+                }
                 let t_max = rng.pick(&[1.0, 4.0, 30.0, 1000.0]) * rng.unit() as f32;
                 Some(Question { t_max, start: Some(hit.from?), ..Question::new(origin, dir) })
             })
