@@ -612,7 +612,7 @@ VoxdagStatus voxdag_trace(const struct VoxdagScene *scene,
                           struct VoxdagError *error);
 
 // The first filled voxel that each of many rays meets: the same answers as one by one, faster with trees, fastest for some
-// hundred rays or more that are near each other. Takes about 100 KiB of stack, no heap.
+// hundred rays or more that are near each other. Takes up to 100 KiB of stack, no heap.
 VoxdagStatus voxdag_trace_many(const struct VoxdagScene *scene,
                                const struct VoxdagRays *rays,
                                const struct VoxdagHits *hits,
@@ -649,7 +649,7 @@ VoxdagStatus voxdag_camera_default(const struct VoxdagScene *scene,
 
 // Draws the rows `first_row` to `end_row - 1` (row 0 is the top) of a picture. Pixels depend on nothing but scene, camera,
 // lights, settings and their place: threads may draw rows of one picture at the same time; fastest for a multiple of 4.
-// Takes up to 500 KiB of stack where rays go on from surfaces, else 200 KiB; the heap only for lights.
+// Takes up to 350 KiB of stack where rays go on from surfaces, else 200 KiB; the heap only for lights.
 //
 // lights: `light_count` of them; null if there are none.
 // pixels: room for `pixel_count` pixels, at least (end_row - first_row) * width, row by row: red in the lowest 8 bits, then
@@ -726,7 +726,7 @@ VoxdagStatus voxdag_normal(const struct VoxdagScene *scene,
                            struct VoxdagError *error);
 
 // The surface's directions at many hits, the same answers as one by one; fastest where hits that follow each other are
-// near each other. Takes about 50 KiB of stack, no heap.
+// near each other. Takes up to 20 KiB of stack, no heap.
 //
 // voxels, faces: `count` items, as `voxdag_trace_many` wrote them. directions: 3 * count numbers, those of the rays.
 // normals: room for 3 * count numbers.

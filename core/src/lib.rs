@@ -16,8 +16,8 @@
 //!   like) checks all that queries rely on, in time proportional to the words; after that no ray, voxel, node number or
 //!   setting can make a query panic, overflow or loop. Queries do not recurse.
 //! - **A bound on the stack**: a single ray, its normal and its shading take less than 4.5 KiB on a 32-bit microcontroller
-//!   (measured by `tests/bare`, which draws a picture in 96 KiB of flash and 8 KiB of RAM); many rays by vectors some
-//!   66 KiB, many normals 44 KiB; [`render::render_rows`] 195 KiB, and 490 KiB where rays go on from surfaces (x86-64).
+//!   (measured by `tests/bare`, which draws a picture in 96 KiB of flash and 8 KiB of RAM); many rays by vectors up
+//!   to 100 KiB, many normals 20 KiB; [`render::render_rows`] 200 KiB, and 350 KiB where rays go on from surfaces (`tests/stack.rs`).
 //! - **Determinism**: the same input gives the same bits on every target, for any number of threads, any order of
 //!   triangles and any way of cutting the work into parts. Floats are used with `+ - * /`, square roots and `libm` alone.
 //! - **Exact answers**: a ray meets the first filled voxel of the real line through its six numbers. What is cheaper and not

@@ -44,8 +44,14 @@ impl Light {
 
     /// How its light falls on `surface` if nothing is in the way; `None` if the surface faces away from it.
     pub fn falls_on(&self, surface: &Surface) -> Option<Incidence> {
-        let direction = self.direction_from(surface.point)?.map(|x| x as f32);
-        let cosine = Vec3::from(direction).dot(Vec3::from(surface.normal));
+        self.falls_at(surface.point, surface.normal)
+    }
+
+    /// The same by point and normal.
+    #[inline]
+    pub(crate) fn falls_at(&self, point: [f64; 3], normal: [f32; 3]) -> Option<Incidence> {
+        let direction = self.direction_from(point)?.map(|x| x as f32);
+        let cosine = Vec3::from(direction).dot(Vec3::from(normal));
         (cosine > 0.0).then_some(Incidence { direction, cosine })
     }
 }
@@ -93,7 +99,11 @@ pub fn reflect(
     incidence: Incidence,
 ) -> [f32; 3] {
     let color = matte(color, material, light, incidence);
-    if has_highlight(material) { highlight(color, material, surface, light, incidence).unwrap_or(color) } else { color }
+    if has_highlight(material) {
+        highlight(color, material, (surface.normal, surface.view), light, incidence).unwrap_or(color)
+    } else {
+        color
+    }
 }
 
 /// `color`, and what a matte surface sends everywhere of a light that falls on it.
@@ -103,18 +113,19 @@ pub(crate) fn matte(color: [f32; 3], material: &Material, light: &Light, inciden
     (Vec3::from(color) + Vec3::from(material.diffuse) * incidence.cosine * Vec3::from(light.color)).to_array()
 }
 
-/// `color`, and the highlight of a light on a surface whose material has one; `None` off the mirror direction.
+/// `color`, and the highlight of a light on a surface, by its normal and the way to the viewer, whose material has one; `None`
+/// off the mirror direction.
 #[inline]
 pub(crate) fn highlight(
     color: [f32; 3],
     material: &Material,
-    surface: &Surface,
+    (normal, view): ([f32; 3], [f32; 3]),
     light: &Light,
     Incidence { direction, cosine }: Incidence,
 ) -> Option<[f32; 3]> {
     // V.R with R = 2 (L.N) N - L.
-    let view = Vec3::from(surface.view);
-    let mirrored = 2.0 * cosine * view.dot(Vec3::from(surface.normal)) - view.dot(Vec3::from(direction));
+    let view = Vec3::from(view);
+    let mirrored = 2.0 * cosine * view.dot(Vec3::from(normal)) - view.dot(Vec3::from(direction));
     (mirrored > 0.0).then(|| {
         let share = Vec3::from(material.specular) * power(mirrored, material.shininess);
         (Vec3::from(color) + share * Vec3::from(light.color)).to_array()

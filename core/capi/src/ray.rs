@@ -151,7 +151,7 @@ pub unsafe extern "C" fn voxdag_trace(
 }
 
 /// The first filled voxel that each of many rays meets: the same answers as one by one, faster with trees, fastest for some
-/// hundred rays or more that are near each other. Takes about 100 KiB of stack, no heap.
+/// hundred rays or more that are near each other. Takes up to 100 KiB of stack, no heap.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn voxdag_trace_many(
     scene: *const VoxdagScene,

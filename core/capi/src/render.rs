@@ -177,7 +177,7 @@ pub unsafe extern "C" fn voxdag_camera_default(
 
 /// Draws the rows `first_row` to `end_row - 1` (row 0 is the top) of a picture. Pixels depend on nothing but scene, camera,
 /// lights, settings and their place: threads may draw rows of one picture at the same time; fastest for a multiple of 4.
-/// Takes up to 500 KiB of stack where rays go on from surfaces, else 200 KiB; the heap only for lights.
+/// Takes up to 350 KiB of stack where rays go on from surfaces, else 200 KiB; the heap only for lights.
 ///
 /// lights: `light_count` of them; null if there are none.
 /// pixels: room for `pixel_count` pixels, at least (end_row - first_row) * width, row by row: red in the lowest 8 bits, then

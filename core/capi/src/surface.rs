@@ -66,7 +66,7 @@ pub unsafe extern "C" fn voxdag_normal(
 }
 
 /// The surface's directions at many hits, the same answers as one by one; fastest where hits that follow each other are
-/// near each other. Takes about 50 KiB of stack, no heap.
+/// near each other. Takes up to 20 KiB of stack, no heap.
 ///
 /// voxels, faces: `count` items, as `voxdag_trace_many` wrote them. directions: 3 * count numbers, those of the rays.
 /// normals: room for 3 * count numbers.

@@ -15,13 +15,12 @@ use super::{Counters, View, bend, follow, shadow};
 use crate::color;
 use crate::effects::{self, Effects};
 use crate::geometry::Geometry;
-use crate::grid::Grid;
 use crate::material::{Material, MaterialId};
 use crate::materials::Materials;
 use crate::math;
 use crate::morton::Morton;
 use crate::normal::{self, Confidence, Normal, NormalKind};
-use crate::shade::{self, Incidence, Light, LightKind, Surface};
+use crate::shade::{self, Incidence, Light, LightKind};
 use crate::trace::{Arithmetic, Face, Hit, Query, Tracer};
 
 /// Most samples of a batch.
@@ -301,14 +300,14 @@ impl Batch {
         let casts_shadows = light.shadow && settings.effects().contains(Effects::SHADOWS);
         let mut waiting = 0;
         for i in 0..self.count {
-            let surface = self.surface(i, &view.grid);
-            let Some(incidence) = light.falls_on(&surface) else { continue };
+            let point = view.grid.to_world(self.points[i]);
+            let Some(incidence) = light.falls_at(point, self.normals[i].direction) else { continue };
             if casts_shadows && let Some(ray) = self.shadow(i, &in_grid, settings.lift) {
                 self.rays[waiting] = ray;
                 self.waiting[waiting] = (i as u8, incidence);
                 waiting += 1;
             } else {
-                self.reflect(i, view.palette, settings.effects(), &surface, (light, incidence), counters);
+                self.reflect(i, view.palette, settings.effects(), (light, incidence), counters);
             }
         }
 
@@ -334,20 +333,7 @@ impl Batch {
                 light.color = [0, 1, 2].map(|i| light.color[i] * share[i]);
             }
             let (i, incidence) = self.waiting[ray];
-            let i = usize::from(i);
-            let surface = self.surface(i, &view.grid);
-            self.reflect(i, view.palette, settings.effects(), &surface, (&light, incidence), counters);
-        }
-    }
-
-    /// What is lit of a sample.
-    #[inline]
-    fn surface(&self, i: usize, grid: &Grid) -> Surface {
-        let back = math::normalize(self.dirs[i].map(|x| -x)).unwrap_or([0.0; 3]);
-        Surface {
-            point: grid.to_world(self.points[i]),
-            normal: self.normals[i].direction,
-            view: back.map(|x| x as f32),
+            self.reflect(i.into(), view.palette, settings.effects(), (&light, incidence), counters);
         }
     }
 
@@ -358,7 +344,6 @@ impl Batch {
         i: usize,
         palette: &[Material],
         effects: Effects,
-        surface: &Surface,
         (light, incidence): (&Light, Incidence),
         counters: &mut Counters,
     ) {
@@ -368,7 +353,9 @@ impl Batch {
             if !(effects.contains(Effects::SPECULAR) && shade::has_highlight(material)) {
                 return color;
             }
-            match shade::highlight(color, material, surface, light, incidence) {
+            let back = math::normalize(self.dirs[i].map(|x| -x)).unwrap_or([0.0; 3]);
+            let facing = (self.normals[i].direction, back.map(|x| x as f32));
+            match shade::highlight(color, material, facing, light, incidence) {
                 Some(brighter) => {
                     counters.highlights += 1;
                     brighter

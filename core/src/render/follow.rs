@@ -41,18 +41,18 @@ const RESERVE: usize = 2 * NARROW * (DEPTH as usize - 1);
 const ROOM: usize = 768;
 const _: () = assert!(2 * SAMPLES + RESERVE <= ROOM);
 
-/// Rays that go on, and room for what becomes of them.
-pub(super) struct Follow {
-    batch: Batch,
-    /// Of the rays in the batch.
-    paths: [Path; SAMPLES],
-    waiting: Waiting,
+/// Follows rays that go on, in room that is lent: a batch, and the rays that wait for one.
+pub(super) struct Follow<'a> {
+    pub batch: &'a mut Batch,
+    pub waiting: &'a mut Waiting,
 }
 
 /// Rays that wait, and the samples that they are for.
-struct Waiting {
+pub(super) struct Waiting {
     count: usize,
     rays: [Ray; ROOM],
+    /// Of the rays that are in the batch.
+    taken: [Path; SAMPLES],
     /// Linear, quantised.
     colors: [[u32; 3]; SAMPLES],
 }
@@ -82,16 +82,11 @@ impl Path {
     const WHOLE: Path = Path { share: [1.0; 3], depth: 0, sample: 0, medium: None };
 }
 
-impl Follow {
-    pub fn new() -> Follow {
-        let ray = Ray { origin: [0.0; 3], dir: [0.0; 3], start: None, path: Path::WHOLE };
-        Follow {
-            batch: Batch::new(),
-            paths: [Path::WHOLE; SAMPLES],
-            waiting: Waiting { count: 0, rays: [ray; ROOM], colors: [[0; 3]; SAMPLES] },
-        }
-    }
+impl Ray {
+    const NONE: Ray = Ray { origin: [0.0; 3], dir: [0.0; 3], start: None, path: Path::WHOLE };
+}
 
+impl Follow<'_> {
     /// The colours of shaded samples, quantised, in their order.
     pub fn colors<K: Kernel, M: Materials, G: Geometry>(
         &mut self,
@@ -100,7 +95,7 @@ impl Follow {
         settings: &Chosen<K>,
         counters: &mut Counters,
     ) -> &[[u32; 3]] {
-        let Follow { batch, paths, waiting } = self;
+        let Follow { batch, waiting } = self;
         let (start, before) = (K::now(), *counters);
         for (i, (_, color, _)) in samples.shaded().enumerate() {
             waiting.colors[i] = color.map(color::quantize);
@@ -111,7 +106,7 @@ impl Follow {
             let most = (ROOM - RESERVE).saturating_sub(waiting.count).clamp(NARROW, SAMPLES);
             let left = waiting.count.saturating_sub(most);
             for (i, ray) in waiting.rays[left..waiting.count].iter().enumerate() {
-                paths[i] = ray.path;
+                waiting.taken[i] = ray.path;
                 batch.push_ray(i as u8, Query { start: ray.start, ..Query::new(ray.origin, ray.dir) });
             }
             waiting.count = left;
@@ -119,13 +114,14 @@ impl Follow {
             counters.secondary += batch.len() as u64;
             batch.trace_rays(&view.tracer, settings.arithmetic, |i, hit| {
                 if hit.is_none() {
-                    waiting.add(&paths[usize::from(i)], settings.background);
+                    let path = waiting.taken[usize::from(i)];
+                    waiting.add(&path, settings.background);
                 }
                 hit.is_some()
             });
             batch.shade(view, settings, counters);
             for (i, (ray, color, _)) in batch.shaded().enumerate() {
-                let path = paths[usize::from(ray)];
+                let path = waiting.taken[usize::from(ray)];
                 waiting.add(&path, color);
                 waiting.send_on(view, settings, &batch.met(i, view.palette), path);
             }
@@ -141,6 +137,10 @@ impl Follow {
 }
 
 impl Waiting {
+    pub fn new() -> Waiting {
+        Waiting { count: 0, rays: [Ray::NONE; ROOM], taken: [Path::WHOLE; SAMPLES], colors: [[0; 3]; SAMPLES] }
+    }
+
     /// Adds a path's share of a colour to its sample.
     fn add(&mut self, path: &Path, color: [f32; 3]) {
         let sum = &mut self.colors[usize::from(path.sample)];

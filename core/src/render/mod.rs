@@ -33,7 +33,8 @@ use crate::materials::Materials;
 use crate::normal::NormalKind;
 use crate::shade::Light;
 use crate::trace::{Arithmetic, Tracer};
-use follow::{Follow, GOES_ON};
+use batch::Batch;
+use follow::{Follow, GOES_ON, Waiting};
 use frame::Frame;
 pub use frame::{MAX_SIDE, Pixel, RenderError, each_pixel};
 use kernel::Chosen;
@@ -152,10 +153,10 @@ impl core::ops::AddAssign for Counters {
 
 /// Renders `rows` (row 0 is the top) into `out`, row by row: a pixel is `u32::from_le_bytes([red, green, blue, 255])`.
 ///
-/// Fastest for a multiple of 4 rows. Takes some 200 KiB of stack, most of it for 256 samples on their way, some 500 KiB where
+/// Fastest for a multiple of 4 rows. Takes up to 200 KiB of stack, most of it for 256 samples on their way, up to 350 KiB where
 /// rays go on from surfaces, and no heap.
 ///
-/// Draws by the kernel [`Phong`] where that is enough, else by [`Full`]: other ones save code, but no time.
+/// Draws by the kernel [`Shadows`] where that is enough, else by [`Full`]: narrower ones save code, but no time.
 pub fn render_rows<M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,
@@ -163,8 +164,8 @@ pub fn render_rows<M: Materials, G: Geometry>(
     out: &mut [u32],
 ) -> Result<Counters, RenderError> {
     let effects = settings.effects.intersection(Effects::needed(view.palette, view.lights));
-    if Phong::EFFECTS.contains(effects) {
-        render_rows_by::<Phong, M, G>(view, settings, rows, out)
+    if Shadows::EFFECTS.contains(effects) {
+        render_rows_by::<Shadows, M, G>(view, settings, rows, out)
     } else {
         render_rows_by::<Full, M, G>(view, settings, rows, out)
     }
@@ -178,15 +179,16 @@ pub fn render_rows_by<K: Kernel, M: Materials, G: Geometry>(
     rows: Range<u32>,
     out: &mut [u32],
 ) -> Result<Counters, RenderError> {
-    let Settings { width, height, .. } = *settings;
-    let frame = Frame::new(&view.camera, &view.grid, [width, height], &rows, out.len())?;
+    let size = [settings.width, settings.height];
+    let frame = Frame::new(&view.camera, &view.grid, size, &rows, out.len())?;
     let effects = settings.effects.intersection(Effects::needed(view.palette, view.lights));
     let settings = &Chosen::<K>::new(settings, effects);
+    let mut batch = Batch::new();
     // Room for rays that go on is taken only where there are some.
     if settings.effects().intersects(GOES_ON) {
-        Ok(with_follow(&frame, view, settings, rows, out))
+        Ok(with_follow(&frame, view, settings, &mut batch, rows, out))
     } else {
-        Ok(draw(&frame, Tile::new(view, settings, None), width, rows, out))
+        Ok(draw(&frame, Tile::new(view, settings, &mut batch, None), settings.width, rows, out))
     }
 }
 
@@ -195,11 +197,15 @@ fn with_follow<K: Kernel, M: Materials, G: Geometry>(
     frame: &Frame,
     view: &View<'_, M, G>,
     settings: &Chosen<K>,
+    batch: &mut Batch,
     rows: Range<u32>,
     out: &mut [u32],
 ) -> Counters {
-    let mut follow = Follow::new();
-    draw(frame, Tile::new(view, settings, Some(&mut follow)), settings.width, rows, out)
+    // Each where it stays: what is moved takes its room twice.
+    let mut more = Batch::new();
+    let mut waiting = Waiting::new();
+    let follow = Follow { batch: &mut more, waiting: &mut waiting };
+    draw(frame, Tile::new(view, settings, batch, Some(follow)), settings.width, rows, out)
 }
 
 /// Draws rows tile by tile.

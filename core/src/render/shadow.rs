@@ -16,6 +16,10 @@ use crate::normal::{Confidence, Normal};
 use crate::shade::LightKind;
 use crate::trace::{Face, Hit, Query};
 
+/// As much higher rays start: over a wall that is square to an axis they would else start on the side between two voxels, and
+/// rounding would say in which.
+const CLEAR: f64 = 1.0 / 1024.0;
+
 /// The place above `point` from which rays start, free of the steps around it if `lift` is 1; `None` if they are to start
 /// at the point.
 ///
@@ -27,7 +31,8 @@ pub(super) fn above(hit: &Hit, point: [f64; 3], normal: &Normal, lift: f32) -> O
         return None;
     }
     let n = normal.direction.map(f64::from);
-    Some(math::add_scaled(point, n, f64::from(lift) * (n[0].abs() + n[1].abs() + n[2].abs())))
+    let height = n[0].abs() + n[1].abs() + n[2].abs();
+    Some(math::add_scaled(point, n, f64::from(lift) * (height * (1.0 + CLEAR))))
 }
 
 /// The ray from `origin` to a light, both in grid coordinates; it ends at the light.

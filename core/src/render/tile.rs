@@ -30,9 +30,9 @@ pub(super) struct Tile<'a, K, M, G> {
     background: [u32; 3],
     smooth: Option<Smooth>,
     counters: Counters,
-    batch: Batch,
+    batch: &'a mut Batch,
     /// Where rays go on from surfaces.
-    follow: Option<&'a mut Follow>,
+    follow: Option<Follow<'a>>,
     pixels: [Pixel; PIXELS],
 }
 
@@ -46,8 +46,13 @@ struct Pixel {
 }
 
 impl<'a, K: Kernel, M: Materials, G: Geometry> Tile<'a, K, M, G> {
-    /// Room for any tile of a picture; the effects are those that the scene calls for.
-    pub fn new(view: &'a View<'a, M, G>, settings: &'a Chosen<K>, follow: Option<&'a mut Follow>) -> Tile<'a, K, M, G> {
+    /// For any tile of a picture, in room that is lent, empty; the effects are those that the scene calls for.
+    pub fn new(
+        view: &'a View<'a, M, G>,
+        settings: &'a Chosen<K>,
+        batch: &'a mut Batch,
+        follow: Option<Follow<'a>>,
+    ) -> Tile<'a, K, M, G> {
         let smooth = match settings.supersample {
             Supersample::Adaptive { degrees } => Some(Smooth::within(degrees)),
             _ => None,
@@ -58,7 +63,7 @@ impl<'a, K: Kernel, M: Materials, G: Geometry> Tile<'a, K, M, G> {
             background: settings.background.map(color::quantize),
             smooth,
             counters: Counters::default(),
-            batch: Batch::new(),
+            batch,
             follow,
             pixels: [Pixel::default(); PIXELS],
         }

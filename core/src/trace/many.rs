@@ -79,6 +79,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// tracer.trace_many(Arithmetic::Exact, &rays, &mut hits);
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
+    #[inline(never)] // its columns are not to be room of the caller's
     pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
         match packet::Packets::of(self, arithmetic) {
             Some(packets) => {
@@ -153,6 +154,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// tracer.trace_tile(Arithmetic::Exact, &tile, &mut hits);
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
+    #[inline(never)] // its columns are not to be room of the caller's
     pub fn trace_tile(&self, arithmetic: Arithmetic, tile: &Tile<'_>, hits: &mut [Option<Hit>]) {
         match packet::Packets::of(self, arithmetic) {
             Some(packets) => {
@@ -179,6 +181,7 @@ impl<G: Geometry> Tracer<'_, G> {
     /// tracer.occluded_many(Arithmetic::Exact, &rays, &mut blocked);
     /// assert_eq!(blocked, [true, false]);
     /// ```
+    #[inline(never)] // its columns are not to be room of the caller's
     pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
         let count = queries.len().min(blocked.len());
         self.occluded_each(arithmetic, count, |i| queries[i], |i, answer| blocked[i] = answer);

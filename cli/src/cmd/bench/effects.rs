@@ -168,7 +168,8 @@ fn compare(run: &Run, view: &Scene<'_>, settings: &Settings, casting: &Scene<'_>
     };
 
     // Shadows apart from what else rays are for.
-    let [lit, unlit] = [Shadows::EFFECTS, Phong::EFFECTS].map(|effects| Settings { effects, ..*settings });
+    let [lit, unlit] = [Shadows::EFFECTS, Shadows::EFFECTS.difference(Effects::SHADOWS)]
+        .map(|effects| Settings { effects, ..*settings });
     let (every, followed) = keep(casting, &lit)?;
     let [to_lights, short]: [Vec<&[Query]>; 2] = [true, false]
         .map(|kind| followed.iter().filter(|(to_light, _)| *to_light == kind).map(|(_, rays)| &rays[..]).collect());
