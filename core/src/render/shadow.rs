@@ -84,13 +84,18 @@ mod tests {
         assert_eq!((to_lamp.origin, to_lamp.dir, to_lamp.t_max), (point, [3.0, 4.0, -1.0], 1.0));
         assert_eq!((from(point, &rising).dir, from(point, &rising).t_max), ([1.0, 2.0, 0.0], f64::INFINITY));
 
-        // As high as a voxel is along the normal.
+        // As high as a voxel is along the normal, and a thousandth more: in which voxel does not depend on rounding.
         let fitted = Normal { direction: [0.0, 0.75, -0.5], confidence: Confidence::Stored };
         let side = Normal { confidence: Confidence::Face, ..fitted };
+        let height = 1.25 * 1025.0 / 1024.0;
         assert_eq!(
             above(&hit(None, Face::PosY), point, &fitted, 1.0),
-            Some([1.5, 2.0 + 1.25 * 0.75, 1.5 - 1.25 * 0.5])
+            Some([1.5, 2.0 + height * 0.75, 1.5 - height * 0.5])
         );
+        let up = Normal { direction: [0.0, 1.0, 0.0], ..fitted };
+        for y in [2.0, 2.0_f64.next_down(), 2.0_f64.next_up()] {
+            assert_eq!(above(&hit(None, Face::PosY), [1.5, y, 1.5], &up, 1.0).unwrap()[1] as u32, 3);
+        }
         assert_eq!(above(&hit(None, Face::PosY), point, &side, 1.0), None);
         assert_eq!(above(&hit(None, Face::Inside), point, &fitted, 1.0), None);
         assert_eq!(above(&hit(None, Face::PosY), point, &fitted, 0.0), None);

@@ -167,18 +167,3 @@ impl Pixel {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::dag::Dag;
-    use crate::materials::Single;
-    use crate::render::Full;
-
-    /// [`super::super::render_rows`] promises it.
-    #[test]
-    fn a_tile_fits_into_80_kib() {
-        let bytes = size_of::<Tile<'_, Full, Single, Dag<'_>>>();
-        assert!((70 << 10..80 << 10).contains(&bytes), "{bytes} bytes");
-    }
-}
