@@ -36,13 +36,13 @@ check_doc() {
     RUSTDOCFLAGS=-Dwarnings cargo doc --locked --no-deps --workspace
 }
 
-# The core as a library alone, on targets without std: without a heap and with one.
+# The core as a library alone, on targets without std: without a heap and with one. (`targets` links and runs it.)
 check_no_std() {
     local target
     export RUSTFLAGS=-Dwarnings
     for target in thumbv7em-none-eabihf riscv32imac-unknown-none-elf x86_64-unknown-none wasm32-unknown-unknown; do
-        cargo build --locked -p voxdag --lib --no-default-features --target "$target"
-        cargo build --locked -p voxdag --lib --no-default-features --features alloc --target "$target"
+        cargo check --locked -p voxdag --lib --no-default-features --target "$target"
+        cargo check --locked -p voxdag --lib --no-default-features --features alloc --target "$target"
     done
 }
 
@@ -76,7 +76,7 @@ check_web() {
     in_readme 'cargo web build'
     export CARGO_TARGET_DIR="${CARGO_TARGET_DIR:-$PWD/target}"
     cargo web build
-    cargo build --release --locked -p voxdag-cli
+    cargo build --release --locked --bin voxdag # as `check_demo` does: the same features, hence nothing to compile again
     if ! command -v npm >/dev/null; then
         echo "SKIPPED: the page's tests, as npm is missing"
         return

@@ -100,9 +100,18 @@ impl Companions<'_> {
         Companions { folder, memory, read: vec![path.to_path_buf()], failure: None }
     }
 
-    /// The content of `name`, its folders apart by `/`; `None` if there is no such file. A file that is there and cannot
-    /// be read counts as empty, with a warning of its own.
+    /// The content of `name`; a file that is there and cannot be read counts as empty, with a warning.
     pub fn resolve(&mut self, name: &str) -> Option<Vec<u8>> {
+        let content = self.content(name)?;
+        Some(content.unwrap_or_else(|cause| {
+            let (path, what) = (self.folder.join(name), "what it would define is drawn grey");
+            report::warning(format_args!("{}: cannot read: {cause}; {what}", path.display()));
+            Vec::new()
+        }))
+    }
+
+    /// The content of `name`, its folders apart by `/`; `None` if there is no such file.
+    pub fn content(&mut self, name: &str) -> Option<std::io::Result<Vec<u8>>> {
         let path = self.folder.join(name);
         // Asked before it is opened: opening a pipe would wait for its other end.
         let content = std::fs::metadata(&path).and_then(|found| {
@@ -119,15 +128,11 @@ impl Companions<'_> {
                 self.failure = self.failure.take().or(over(&path, bytes.len() as u64, self.memory).err());
                 self.memory.hold(bytes.len() as u64);
                 self.read.push(path);
-                Some(bytes)
+                Some(Ok(bytes))
             }
             // `NotADirectory`: a part of the path is a file.
             Err(cause) if matches!(cause.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => None,
-            Err(cause) => {
-                let what = "what it would define is drawn grey";
-                report::warning(format_args!("{}: cannot read: {cause}; {what}", path.display()));
-                Some(Vec::new())
-            }
+            Err(cause) => Some(Err(cause)),
         }
     }
 

@@ -20,7 +20,7 @@ use voxdag::mesh::MeshError;
 use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::rank::AnyRank;
 use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::texture::{Texture, decode};
+use voxdag::texture::{DecodeError, Texture, decode};
 use voxdag::trace::TopBuf;
 use voxdag::trees;
 use voxdag::voxelize::{Cover, VoxelizeError};
@@ -117,8 +117,11 @@ fn load_textures(source: &mut Source, beside: &mut Companions<'_>) -> Result<()>
         beside.memory().left().map_or(u64::MAX, |left| left.saturating_sub(source.bytes)),
     );
     let (loaded, time) = stats::timed(|| {
-        let decode = |name: &str, left| beside.resolve(name).map(|bytes| decode(name, &bytes, left));
-        source.model.load_textures(decode, limit)
+        let picture = |name: &str, left| {
+            let bytes = beside.content(name)?.map_err(|cause| DecodeError::Picture(cause.to_string()));
+            Some(bytes.and_then(|bytes| decode(name, &bytes, left)))
+        };
+        source.model.load_textures(picture, limit)
     });
     drop(progress);
     if let Err(needed) = loaded {

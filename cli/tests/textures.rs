@@ -123,6 +123,18 @@ fn what_is_no_picture_is_grey_with_one_warning() {
         assert!(s.ok("info two.vxd").stdout.contains("colors           none"));
     }
 
+    // Neither is a folder.
+    let s = sandbox("card.png", ImageFormat::Png);
+    std::fs::create_dir(s.path("folder.png")).unwrap();
+    s.write("card.mtl", "newmtl card\nKa 1\nKd 1\nmap_Kd folder.png\n");
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    assert!(
+        run.stderr.contains("card.mtl:4: texture \"folder.png\" cannot be read: it is not a regular file"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(run.stderr.matches("warning").count(), 1, "{}", run.stderr);
+
     // Without coordinates there is nothing to lay it by; a Kd of 0 would make it black.
     let s = sandbox("card.png", ImageFormat::Png);
     s.write("card.obj", SQUARE.replace("vt", "#").replace("1/1 2/2 3/3 4/4", "1 2 3 4"));

@@ -137,6 +137,8 @@ impl Follow<'_> {
 }
 
 impl Waiting {
+    /// Apart, so that the room in which it is put together is free again when rays are traced.
+    #[inline(never)]
     pub fn new() -> Waiting {
         Waiting { count: 0, rays: [Ray::NONE; ROOM], taken: [Path::WHOLE; SAMPLES], colors: [[0; 3]; SAMPLES] }
     }

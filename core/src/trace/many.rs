@@ -111,11 +111,11 @@ impl<G: Geometry> Tracer<'_, G> {
         arithmetic: Arithmetic,
         count: usize,
         ray: impl Fn(usize) -> Query,
-        mut put: impl FnMut(usize, Option<Hit>),
+        put: impl FnMut(usize, Option<Hit>),
     ) {
         match packet::Packets::of(self, arithmetic) {
             Some(packets) => packets.trace(&packet::Made { count, ray }, put),
-            None => (0..count).for_each(|i| put(i, self.trace(arithmetic, &ray(i)))),
+            None => in_blocks(count, ray, None, |rays, hits| self.trace_many(arithmetic, rays, hits), put),
         }
     }
 
@@ -183,8 +183,15 @@ impl<G: Geometry> Tracer<'_, G> {
     /// ```
     #[inline(never)] // its columns are not to be room of the caller's
     pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
-        let count = queries.len().min(blocked.len());
-        self.occluded_each(arithmetic, count, |i| queries[i], |i, answer| blocked[i] = answer);
+        match packet::Packets::of(self, arithmetic) {
+            Some(packets) => {
+                let count = queries.len().min(blocked.len());
+                packets.occluded(&packet::Made { count, ray: |i| queries[i] }, |i, answer| blocked[i] = answer);
+            }
+            None => {
+                queries.iter().zip(blocked).for_each(|(query, answer)| *answer = self.occluded(arithmetic, query));
+            }
+        }
     }
 
     /// [`Tracer::trace_each`] for the question whether a ray meets any filled voxel.
@@ -194,11 +201,11 @@ impl<G: Geometry> Tracer<'_, G> {
         arithmetic: Arithmetic,
         count: usize,
         ray: impl Fn(usize) -> Query,
-        mut put: impl FnMut(usize, bool),
+        put: impl FnMut(usize, bool),
     ) {
         match packet::Packets::of(self, arithmetic) {
             Some(packets) => packets.occluded(&packet::Made { count, ray }, put),
-            None => (0..count).for_each(|i| put(i, self.occluded(arithmetic, &ray(i)))),
+            None => in_blocks(count, ray, false, |rays, blocked| self.occluded_many(arithmetic, rays, blocked), put),
         }
     }
 
@@ -206,5 +213,25 @@ impl<G: Geometry> Tracer<'_, G> {
     pub fn occluded_columns(&self, arithmetic: Arithmetic, rays: &Columns<'_>, blocked: &mut [bool]) {
         let count = rays.len().min(blocked.len());
         self.occluded_each(arithmetic, count, |i| rays.query(i), |i, answer| blocked[i] = answer);
+    }
+}
+
+/// Answers rays that do not lie in memory as queries: as many are put there as this, as one that was written just before it is
+/// read is slow to read.
+#[inline]
+fn in_blocks<T: Copy>(
+    count: usize,
+    ray: impl Fn(usize) -> Query,
+    none: T,
+    many: impl Fn(&[Query], &mut [T]),
+    mut put: impl FnMut(usize, T),
+) {
+    const BLOCK: usize = 32;
+    let (mut queries, mut answers) = ([Query::new([0.0; 3], [0.0; 3]); BLOCK], [none; BLOCK]);
+    for from in (0..count).step_by(BLOCK) {
+        let len = BLOCK.min(count - from);
+        queries[..len].iter_mut().zip(from..).for_each(|(query, i)| *query = ray(i));
+        many(&queries[..len], &mut answers);
+        answers[..len].iter().zip(from..).for_each(|(answer, i)| put(i, *answer));
     }
 }

@@ -69,7 +69,7 @@ enum Subject {
 /// What is measured, and how often.
 #[derive(clap::Args)]
 struct Run {
-    /// Wavefront OBJ file, a scene from `voxdag build`, or `hall` or `studio`, which come along
+    /// Wavefront OBJ file, or `hall` or `studio`, which come along; where no mesh is needed, a scene from `voxdag build`, too
     #[arg(value_name = "MESH_OR_VXD")]
     input: PathBuf,
 
