@@ -27,6 +27,7 @@ use crate::trace::{Arithmetic, Face, Hit, Query, Tracer};
 pub(super) const SAMPLES: usize = 256;
 
 /// Room for samples, and for what becomes of them.
+#[repr(align(64))] // wherever it lies, what is copied lies alike in the lines of the cache
 pub(super) struct Batch {
     count: usize,
     /// Whose samples they are: pixels of a tile, or whatever rays were given for.

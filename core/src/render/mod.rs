@@ -173,6 +173,7 @@ pub fn render_rows<M: Materials, G: Geometry>(
 
 /// The same by a kernel that is named, `render_rows_by::<Phong, _, _>(..)`: a program that names one links the code of that
 /// one. What the kernel cannot draw is off.
+#[inline(never)] // one code, however it is called
 pub fn render_rows_by<K: Kernel, M: Materials, G: Geometry>(
     view: &View<'_, M, G>,
     settings: &Settings,

@@ -26,6 +26,7 @@ const INSIDE: u8 = 6;
 const UNCLEAR: u8 = 7;
 
 /// Hits as columns, by number of the ray.
+#[repr(align(64))] // vectors lie within lines of the cache
 pub(super) struct Found {
     code: [u64; CHUNK],
     from: [u64; CHUNK],

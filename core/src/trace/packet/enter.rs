@@ -14,6 +14,7 @@ use crate::trace::exact::{HUGE, TINY};
 use crate::trace::ray::{UNIT, axes};
 
 /// Rays of a chunk as columns, in f64.
+#[repr(align(64))] // vectors lie within lines of the cache
 pub(in crate::trace) struct Rays {
     pub len: usize,
     pub origin: [[f64; CHUNK]; 3],
@@ -46,6 +47,7 @@ impl Rays {
 }
 
 /// Rays that have entered, as columns, in f32. Times are counted from where they entered, in units of `dir`.
+#[repr(align(64))] // vectors lie within lines of the cache
 pub(super) struct Walks {
     pub len: usize,
     /// In the chunk.

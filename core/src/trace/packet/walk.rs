@@ -30,6 +30,7 @@ pub(super) enum End {
 }
 
 /// Where rays ended, by number.
+#[repr(align(64))] // vectors lie within lines of the cache
 pub(super) struct Ends {
     pub how: [End; CHUNK],
     /// As columns, whole numbers.
