@@ -29,9 +29,11 @@ mod rays;
 mod report;
 mod scene;
 mod show;
+mod source;
 mod stats;
 mod truth;
 mod view;
+mod voxelize;
 
 use clap::{Parser, Subcommand};
 

@@ -1,163 +1,37 @@
-//! From a mesh file to the words of a `.vxd`, subtrees on all cores.
+//! From voxels to the words of a `.vxd` and back, and what they take.
 
-use std::collections::HashSet;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use voxdag::build::{BuildError, DagBuf};
+use voxdag::build::DagBuf;
 use voxdag::colors::{Colored, ColorsBuf, Painted};
 use voxdag::dag::{BRICK_LEVEL, Stats};
 use voxdag::file::{self, LoadError, Parts, Scene};
 use voxdag::geometry::Geometry;
-use voxdag::grid::{Bounds, Grid, GridError, UpAxis};
+use voxdag::grid::{Bounds, Grid, UpAxis};
 use voxdag::layout::AnyGeometry;
 use voxdag::materials::{AnyMaterials, MaterialsBuf};
-use voxdag::mesh::MeshError;
-use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::rank::AnyRank;
-use voxdag::scene::{Build, MaterialMode, Options, PendingMaterials, SceneError};
-use voxdag::texture::{DecodeError, Texture, decode};
+use voxdag::scene::{MaterialMode, PendingMaterials, SceneError};
 use voxdag::trace::TopBuf;
 use voxdag::trees;
-use voxdag::voxelize::{Cover, VoxelizeError};
-use voxdag::{Dag, Material, Mesh};
+use voxdag::voxelize::VoxelizeError;
+use voxdag::{Dag, Material};
 
 use crate::error::{Error, Kind, Result};
-use crate::input::Companions;
 use crate::layout::Layout;
-use crate::memory::{Memory, round_up};
-use crate::options::{BuildArgs, CoverArg, GeometryArg, MaterialsArg, UpAxisArg};
-use crate::ordered::in_order;
+use crate::memory::Memory;
+use crate::options::{BuildArgs, GeometryArg, MaterialsArg, UpAxisArg};
 use crate::picture::Shown;
 use crate::progress::Progress;
-use crate::report::{self, grouped, size, triple};
+use crate::report::{self, grouped, size};
+use crate::source::Source;
 use crate::stats;
-
-/// Voxels along the longest axis where nobody says otherwise.
-const DEFAULT_RESOLUTION: u32 = 512;
-/// Warnings about a mesh that are printed one by one.
-const MAX_WARNINGS: usize = 10;
-
-/// A mesh that was read.
-pub struct Source {
-    /// The name that messages give it.
-    path: PathBuf,
-    pub model: Model,
-    /// The mesh's file and those that it names.
-    pub files: Vec<PathBuf>,
-    /// Time to parse it.
-    parse_time: Duration,
-    /// Bytes of the model.
-    pub bytes: u64,
-}
-
-impl Source {
-    /// A model that was not read from a file.
-    pub fn of(name: &str, model: Model) -> Source {
-        let bytes = bytes_of(&model);
-        Source { path: PathBuf::from(name), model, files: Vec::new(), parse_time: Duration::ZERO, bytes }
-    }
-}
-
-/// Parses the text of the mesh at `path`, which is held, with the files beside it. The mesh is held in its stead.
-///
-/// With the pictures that its materials name, if voxels are to have the colours of `textures`.
-pub fn import_file(path: &Path, text: Vec<u8>, textures: bool, memory: &mut Memory) -> Result<Source> {
-    let before = memory.held() - text.len() as u64;
-    afford_import(path, &text, memory)?;
-    let mut beside = Companions::of(path, memory);
-    let source = import(path, &text, |name| beside.resolve(name)).and_then(|mut source| {
-        if textures {
-            load_textures(&mut source, &mut beside)?;
-        }
-        Ok(source)
-    });
-    let files = beside.finish()?;
-    let source = Source { files, ..source? };
-    drop(text);
-    memory.release(memory.held() - before);
-    memory.hold(source.bytes);
-    Ok(source)
-}
-
-/// Refuses a mesh that could not be parsed within the limit.
-pub fn afford_import(path: &Path, text: &[u8], memory: &Memory) -> Result<()> {
-    let needed = import_bytes(text);
-    let hint = format!("set --memory-limit to at least {}", round_up(memory.held() + needed));
-    memory.afford(needed, &format!("parsing {}", path.display()), &hint)
-}
-
-/// About how many bytes parsing takes beside the text: measured, 3 for each of the text, and 40 to 120 a corner of a face.
-fn import_bytes(text: &[u8]) -> u64 {
-    let faces = text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii_start).filter(|line| line.starts_with(b"f"));
-    let corners: usize = faces.map(|line| line.iter().filter(|byte| byte.is_ascii_whitespace()).count()).sum();
-    3 * text.len() as u64 + 120 * corners as u64
-}
-
-/// Parses the text of a mesh; `resolve` gives the files that it names. Warnings go to stderr.
-pub fn import(path: &Path, text: &[u8], resolve: impl FnMut(&str) -> Option<Vec<u8>>) -> Result<Source> {
-    let progress = Progress::stage("reading", 0);
-    let (model, parse_time) = stats::timed(|| obj::import(text, resolve));
-    drop(progress);
-    let model = model.map_err(|ImportError(note)| Error::new(Kind::BadInput, place(path, &note)))?;
-    warn(path, &model.warnings);
-    let bytes = bytes_of(&model);
-    Ok(Source { path: path.to_path_buf(), model, files: Vec::new(), parse_time, bytes })
-}
-
-/// Reads the pictures that the materials of a mesh name. Warnings go to stderr.
-fn load_textures(source: &mut Source, beside: &mut Companions<'_>) -> Result<()> {
-    let progress = Progress::stage("textures", 0);
-    let (known, limit) = (
-        source.model.warnings.len(),
-        beside.memory().left().map_or(u64::MAX, |left| left.saturating_sub(source.bytes)),
-    );
-    let (loaded, time) = stats::timed(|| {
-        let picture = |name: &str, left| {
-            let bytes = beside.content(name)?.map_err(|cause| DecodeError::Picture(cause.to_string()));
-            Some(bytes.and_then(|bytes| decode(name, &bytes, left)))
-        };
-        source.model.load_textures(picture, limit)
-    });
-    drop(progress);
-    if let Err(needed) = loaded {
-        let needed = needed.saturating_add(source.bytes);
-        let memory = beside.memory();
-        let hint =
-            format!("set --memory-limit to at least {}, or try --textures none", round_up(memory.held() + needed));
-        memory.afford(needed, &format!("reading the textures of {}", source.path.display()), &hint)?;
-    }
-    warn(&source.path, &source.model.warnings[known..]);
-    source.parse_time += time;
-    source.bytes = bytes_of(&source.model);
-    Ok(())
-}
-
-/// Prints the first warnings about the mesh at `path`, and how many there are more.
-fn warn(path: &Path, warnings: &[Warning]) {
-    for note in warnings.iter().take(MAX_WARNINGS) {
-        report::warning(place(path, note));
-    }
-    if warnings.len() > MAX_WARNINGS {
-        report::warning(format_args!("{}: and {} more", path.display(), warnings.len() - MAX_WARNINGS));
-    }
-}
-
-/// Lays the grid out as the flags say.
-fn grid(bounds: &Bounds, args: &BuildArgs) -> std::result::Result<Grid, GridError> {
-    // A given origin stands for the box's minimum: the grid reaches from there to the mesh's far side.
-    let reach =
-        args.origin.map_or(*bounds, |min| Bounds { min, max: std::array::from_fn(|i| bounds.max[i].max(min[i])) });
-    match (args.voxel_size, args.resolution) {
-        (Some(voxel_size), Some(resolution)) => Grid { origin: reach.min, voxel_size, resolution }.checked(),
-        (Some(voxel_size), None) => Grid::with_voxel_size(&reach, voxel_size),
-        (None, resolution) => Grid::fit(&reach, resolution.unwrap_or(DEFAULT_RESOLUTION)),
-    }
-}
+use crate::voxelize::{Voxels, voxelize};
 
 /// A scene that was built, and what it took.
 pub struct Built {
@@ -233,16 +107,6 @@ impl Bytes {
     }
 }
 
-/// How to build, as the flags say but for the materials; at most `memory_limit` bytes at one time.
-pub fn options(args: &BuildArgs, materials: MaterialMode, memory_limit: Option<u64>) -> Options {
-    let cover = match args.cover.unwrap_or_default() {
-        CoverArg::Exact => Cover::Exact,
-        CoverArg::Thin => Cover::Thin,
-        CoverArg::Inflated => Cover::Inflated,
-    };
-    Options { cover, materials, memory_limit, parts_at_once: rayon::current_num_threads() }
-}
-
 /// How materials are kept, as the flags say.
 pub fn mode(args: &BuildArgs) -> MaterialMode {
     match args.materials.unwrap_or_default() {
@@ -255,77 +119,6 @@ pub fn mode(args: &BuildArgs) -> MaterialMode {
         MaterialsArg::MoxelNormals => MaterialMode::MoxelsNormals,
         MaterialsArg::None => MaterialMode::None,
     }
-}
-
-/// Voxels of a mesh before anything keeps their materials.
-pub struct Voxels<'b, 'm> {
-    pub grid: Grid,
-    pub bounds: Bounds,
-    pub dag: DagBuf,
-    /// What material maps are made from.
-    pub pending: PendingMaterials<'b, 'm>,
-    /// Triangles to bricks, and bricks to subtrees.
-    pub voxelize: Duration,
-    /// Joining the subtrees.
-    pub reduce: Duration,
-}
-
-/// Voxelises the mesh on the threads of the current pool, as the flags say but for the materials, and lets `keep` make of
-/// the voxels what is to be kept.
-pub fn voxelize<T>(
-    source: &Source,
-    args: &BuildArgs,
-    materials: MaterialMode,
-    memory: &Memory,
-    keep: impl FnOnce(Voxels<'_, '_>) -> std::result::Result<T, SceneError>,
-) -> Result<T> {
-    let mesh = source.model.mesh();
-    let bounds = mesh.validate().map_err(|error| refused(source, SceneError::Voxelize(VoxelizeError::Mesh(error))))?;
-    let grid = grid(&bounds, args).map_err(|error| grid_error(source, error))?;
-    contains(source, &grid, &bounds)?;
-    let refused = |error| match error {
-        SceneError::Limit { needed, enough, coarser, .. } => {
-            over_limit(source, memory, needed, enough, coarser.then_some(&grid))
-        }
-        SceneError::Reduce(BuildError::Words { .. }) => {
-            let what = format!("{} at resolution {}", source.path.display(), grid.resolution);
-            Error::new(Kind::Limit, format_args!("{what} has more nodes than a file can number")).hint(advice(
-                source,
-                &grid,
-                "make the mesh smaller",
-            ))
-        }
-        error => refused(source, error),
-    };
-
-    // Sort the triangles into parts, build the parts on all threads and join them as they come.
-    let options = options(args, materials, memory.left());
-    let start = Instant::now();
-    let build = Build::new(&mesh, &grid, &options).map_err(refused)?.with_textures(&source.model.textures);
-    let mut join = build.join().map_err(refused)?;
-    let mut reduce = Duration::ZERO;
-    let progress = Progress::stage("voxelizing", build.parts() as u64);
-    let joined = in_order(
-        build.parts(),
-        |part| build.part(part),
-        |parts| {
-            for part in parts {
-                let part = part?;
-                let (added, time) = stats::timed(|| join.add(part));
-                added?;
-                reduce += time;
-                progress.step();
-            }
-            Ok(())
-        },
-    );
-    drop(progress);
-    joined.map_err(refused)?;
-    let (finished, time) = stats::timed(|| join.finish());
-    let (dag, pending) = finished.map_err(refused)?;
-    reduce += time;
-    let voxelize = start.elapsed().saturating_sub(reduce);
-    keep(Voxels { grid, bounds, dag, pending, voxelize, reduce }).map_err(refused)
 }
 
 /// Builds the scene on the threads of the current pool, and holds it.
@@ -506,82 +299,6 @@ pub fn count(geometry: AnyGeometry<'_>) -> Result<Stats> {
 pub fn top_grid(geometry: impl Geometry) -> Result<TopBuf> {
     TopBuf::new(&geometry, trees::TOP_BITS)
         .map_err(|bytes| Error::new(Kind::Failure, format_args!("out of memory: {bytes} bytes could not be had")))
-}
-
-/// What a model takes in memory.
-fn bytes_of(model: &Model) -> u64 {
-    let Mesh { positions, triangles, materials, name_order, uvs, normals } = model.mesh();
-    let sizes = [size_of_val(positions), size_of_val(triangles), size_of_val(materials), size_of_val(name_order)];
-    let mesh: u64 = sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum();
-    let textures = model.textures.iter().flat_map(|maps| [&maps.diffuse, &maps.dissolve]).flatten();
-    // Each picture once, however many materials show it.
-    let mut known = HashSet::new();
-    let pictures = textures.map(Texture::image).filter(|image| known.insert(Arc::as_ptr(image)));
-    mesh + pictures.map(|image| image.bytes()).sum::<u64>()
-}
-
-/// Refuses a mesh that reaches out of a grid that was chosen by hand.
-fn contains(source: &Source, grid: &Grid, bounds: &Bounds) -> Result<()> {
-    if grid.snap(bounds.min).is_some() && grid.snap(bounds.max).is_some() {
-        return Ok(());
-    }
-    let end = grid.to_world([f64::from(grid.resolution); 3]);
-    Err(Error::usage(format_args!(
-        "{}: the mesh spans {} to {}, the grid only {} to {}",
-        source.path.display(),
-        triple(bounds.min),
-        triple(bounds.max),
-        triple(grid.origin),
-        triple(end)
-    ))
-    .hint("move --origin, or raise --resolution or --voxel-size"))
-}
-
-fn grid_error(source: &Source, error: GridError) -> Error {
-    match error {
-        GridError::Resolution { .. } => {
-            Error::new(Kind::Limit, format_args!("{}: {error}", source.path.display())).hint("make --voxel-size larger")
-        }
-        _ => Error::input(&source.path, error),
-    }
-}
-
-/// The memory limit is passed; `grid` where a coarser one needs less.
-fn over_limit(source: &Source, memory: &Memory, needed: u64, enough: u64, grid: Option<&Grid>) -> Error {
-    let limit = format!("--memory-limit {}", round_up(memory.held().saturating_add(enough)));
-    let (what, hint) = match grid {
-        Some(grid) => {
-            (format!("{} at resolution {}", source.path.display(), grid.resolution), advice(source, grid, &limit))
-        }
-        None => (format!("the mesh {}", source.path.display()), format!("try {limit}")),
-    };
-    memory.afford(needed, &what, &hint).err().unwrap_or_else(|| Error::new(Kind::Limit, what).hint(hint))
-}
-
-/// What to try: a coarser grid where the user can choose it, or what else there is.
-fn advice(source: &Source, grid: &Grid, otherwise: &str) -> String {
-    if source.files.is_empty() {
-        return format!("try {otherwise}");
-    }
-    format!("try -r {}, or {otherwise}", (grid.resolution / 2).max(1))
-}
-
-/// Why the core builds nothing, in this program's words.
-fn refused(source: &Source, error: SceneError) -> Error {
-    let path = &source.path;
-    match error {
-        SceneError::Voxelize(VoxelizeError::Grid(error)) => grid_error(source, error),
-        SceneError::Voxelize(VoxelizeError::Mesh(MeshError::Empty)) => Error::input(path, "there are no faces in it")
-            .hint("expected lines such as `f 1 2 3`; points and lines are not made into voxels"),
-        SceneError::Voxelize(VoxelizeError::Mesh(error)) => Error::input(path, error),
-        error => Error::new(Kind::Failure, format_args!("{}: {error}", path.display())).hint("try a smaller -r"),
-    }
-}
-
-/// Where a message of the importer belongs: into the mesh or into a library beside it.
-fn place(path: &Path, note: &Warning) -> String {
-    let file = if note.file.is_empty() { path.to_path_buf() } else { path.with_file_name(&note.file) };
-    format!("{}:{}: {}", file.display(), note.line, note.message)
 }
 
 /// Writes words as little-endian bytes, piece by piece.

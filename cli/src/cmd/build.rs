@@ -11,6 +11,7 @@ use crate::options::{BuildArgs, MachineArgs, ReportArgs};
 use crate::output::Output;
 use crate::report::{self, Lines, grouped, number, shell_word, time};
 use crate::scene::{self, Bytes, Cost};
+use crate::source;
 use crate::stats::{self, ms};
 
 /// Turn a mesh into a voxel scene
@@ -80,7 +81,7 @@ pub fn run(args: &Args) -> Result<()> {
     let pool = args.machine.pool()?;
     let mut memory = args.machine.memory();
 
-    let source = scene::import_file(
+    let source = source::import_file(
         &args.mesh,
         input::read_mesh(&args.mesh, &mut memory)?,
         args.build.reads_textures(),

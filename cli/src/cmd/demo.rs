@@ -17,7 +17,8 @@ use crate::options::{
 use crate::output::Output;
 use crate::picture::{self, Extras, Rays};
 use crate::report::{self, Lines, grouped, time};
-use crate::scene::{self, Bytes, Cost, Source};
+use crate::scene::{self, Bytes, Cost};
+use crate::source::{self, Source};
 use crate::stats::{self, ms};
 
 /// Build and draw a scene that comes along, into voxdag-demo.png or voxdag-studio.png
@@ -133,8 +134,8 @@ pub fn source(scene: DemoScene, memory: &mut Memory) -> Result<Source> {
         DemoScene::Studio => (studio::obj(), studio::mtl(), studio::MTL_NAME),
     };
     let text_bytes = (text.len() + library.len()) as u64;
-    scene::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;
-    let source = scene::import(Path::new("demo"), text.as_bytes(), |name| {
+    source::afford_import(Path::new("demo"), text.as_bytes(), &memory.with(text_bytes))?;
+    let source = source::import(Path::new("demo"), text.as_bytes(), |name| {
         (name == library_name).then(|| library.clone().into_bytes())
     })?;
     memory.hold(source.bytes);

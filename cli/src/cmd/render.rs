@@ -23,6 +23,7 @@ use crate::quality::Quality;
 use crate::report::{self, Lines, grouped, shell_word, time};
 use crate::scene;
 use crate::show::{self, Show, Spread};
+use crate::source;
 use crate::stats::{self, ms};
 use crate::view::View;
 
@@ -189,7 +190,7 @@ pub fn run(args: &Args) -> Result<()> {
             (pool.install(|| draw(&Shown::of(&scene), args, &view, (&shots, first), &memory))?, scene.grid, true)
         }
         Content::Mesh(text) => {
-            let source = scene::import_file(&args.input, text, args.build.reads_textures(), &mut memory)?;
+            let source = source::import_file(&args.input, text, args.build.reads_textures(), &mut memory)?;
             check_outputs(&shots, &source.files)?;
             let built = pool.install(|| scene::build(&source, &args.build, &mut memory))?;
             memory.release(source.bytes);

@@ -138,7 +138,8 @@ mod tests {
     use super::super::shapes::Closed;
     use super::*;
     use crate::options::BuildArgs;
-    use crate::scene::{self, Source};
+    use crate::scene;
+    use crate::source::Source;
     use voxdag::obj::Model;
     use voxdag_oracle::scenes;
 

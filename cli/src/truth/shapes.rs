@@ -17,7 +17,7 @@ use voxdag::obj::Model;
 use voxdag_oracle::scenes::{self, Shape};
 
 use super::{Met, Truth, towards_viewer};
-use crate::scene::Source;
+use crate::source::Source;
 
 /// Shapes with a formula.
 #[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]

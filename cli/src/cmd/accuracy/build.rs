@@ -18,7 +18,8 @@ use crate::output::Scratch;
 use crate::overlap::{self, Brick, Near};
 use crate::picture::Shown;
 use crate::progress::Progress;
-use crate::scene::{self, Built, Source};
+use crate::scene::{self, Built};
+use crate::source::Source;
 use crate::stats;
 
 /// A scene, and what it took.

@@ -24,7 +24,7 @@ use crate::options::{ArithmeticArg, BuildArgs, CameraArgs, LightingArgs, Normals
 use crate::picture::{self, Extras, Picture, Prepared, Rays, Shown};
 use crate::progress::Progress;
 use crate::quality::Quality;
-use crate::scene::Source;
+use crate::source::Source;
 use crate::stats;
 use crate::truth::{self, Lit, ShapeErrors, Truth};
 

@@ -30,7 +30,7 @@ use crate::options::{
 use crate::output::{Folder, Output, Scratch};
 use crate::picture;
 use crate::report::{Lines, file_name, grouped, shell_word, time};
-use crate::scene::{self, Source};
+use crate::source::{self, Source};
 use crate::truth::{Known, MeshTruth, Truth};
 use crate::view::View;
 use measure::{Found, Subject};
@@ -131,7 +131,7 @@ fn write_all(args: &Args) -> Result<Report> {
             measure(args, &source, None, (&truth, "the closed form"), (&camera, &lighting), &mut memory)?
         }
         (Some(path), None) => {
-            let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, false, &mut memory)?;
+            let source = source::import_file(path, input::read_mesh(path, &mut memory)?, false, &mut memory)?;
             files.iter().try_for_each(|output| output.must_not_replace(&source.files))?;
             against_mesh(args, &source, path, (&camera, &lighting), &mut memory)?
         }
@@ -146,7 +146,7 @@ fn write_all(args: &Args) -> Result<Report> {
             for (path, text) in texts {
                 std::fs::write(&path, text).map_err(|cause| Error::write(&path, cause))?;
             }
-            let source = scene::import_file(&path, input::read_mesh(&path, &mut memory)?, false, &mut memory)?;
+            let source = source::import_file(&path, input::read_mesh(&path, &mut memory)?, false, &mut memory)?;
             let usual = demo::view(DemoScene::Hall);
             let (camera, lighting) = (camera.or(&usual.camera), lighting.or(&usual.lighting));
             against_mesh(args, &source, &path, (&camera, &lighting), &mut memory)?

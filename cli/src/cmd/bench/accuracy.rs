@@ -30,7 +30,7 @@ use crate::measure::{Arm, measure};
 use crate::overlap::{self, Near};
 use crate::picture::{self, Shown};
 use crate::report::{self, Lines, grouped};
-use crate::scene::Source;
+use crate::source::Source;
 
 /// What `bench accuracy --json` prints.
 #[derive(Serialize)]

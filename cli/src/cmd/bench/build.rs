@@ -14,7 +14,9 @@ use super::Run;
 use crate::error::{Error, Kind, Result};
 use crate::measure::{Arm, Spread, Times, measure};
 use crate::report::{self, Lines, grouped};
-use crate::scene::{self, Source};
+use crate::scene;
+use crate::source::Source;
+use crate::voxelize;
 
 /// What `bench build --json` prints.
 #[derive(Serialize)]
@@ -66,7 +68,7 @@ pub fn run(run: &Run, source: &Source) -> Result<()> {
     let built = scene::build(source, &run.build, &mut run.machine().memory())?;
     let (grid, voxels) = (built.grid, built.stats.voxels);
     drop(built);
-    let options = scene::options(&run.build, scene::mode(&run.build), None);
+    let options = voxelize::options(&run.build, scene::mode(&run.build), None);
     let defect = |error: &dyn std::fmt::Display| Error::new(Kind::Failure, error);
 
     // What the stages leave: a voxeliser, bricks and DAGs of its subtrees, and the same with materials.

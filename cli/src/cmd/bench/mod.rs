@@ -28,7 +28,8 @@ use crate::measure::Times;
 use crate::options::{BuildArgs, CameraArgs, MachineArgs, ReportArgs, ViewArgs, picture_size};
 use crate::picture::Shown;
 use crate::report::grouped;
-use crate::scene::{self, Source};
+use crate::scene;
+use crate::source::{self, Source};
 use crate::view::View;
 
 /// Measure how fast this machine traces, shades and builds
@@ -154,7 +155,7 @@ impl Input {
             return Ok(Input::Embedded(scene, Box::new(demo::source(scene, &mut memory)?)));
         }
         match input::read(&run.input, &mut memory)? {
-            Content::Mesh(text) => Ok(Input::Mesh(Box::new(scene::import_file(
+            Content::Mesh(text) => Ok(Input::Mesh(Box::new(source::import_file(
                 &run.input,
                 text,
                 run.build.reads_textures(),

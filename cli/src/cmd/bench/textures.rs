@@ -10,7 +10,9 @@ use super::{Cost, Run, rays};
 use crate::error::{Error, Kind, Result};
 use crate::measure::{Arm, Spread, Times, measure};
 use crate::report::{self, Lines, grouped};
-use crate::scene::{self, Source};
+use crate::scene;
+use crate::source::Source;
+use crate::voxelize;
 
 /// What `bench textures --json` prints.
 #[derive(Serialize)]
@@ -58,7 +60,7 @@ pub fn run(run: &Run, source: &Source) -> Result<()> {
     let hits: Vec<_> = rays::seen(run, &shown)?.iter().map(|found| found.hit.voxel).collect();
 
     // The same voxels again, and their colours in both ways.
-    let (mesh, options) = (source.model.mesh(), scene::options(&run.build, MaterialMode::Tree, None));
+    let (mesh, options) = (source.model.mesh(), voxelize::options(&run.build, MaterialMode::Tree, None));
     let plain = Build::new(&mesh, &grid, &options).map_err(|e| defect(&e))?;
     let painted = Build::new(&mesh, &grid, &options).map_err(|e| defect(&e))?.with_textures(&source.model.textures);
     let mut join = painted.join().map_err(|e| defect(&e))?;

@@ -22,8 +22,10 @@ use crate::measure::{Arm, Spread, Times, measure};
 use crate::memory::Memory;
 use crate::options::{BuildArgs, GeometryArg, NormalsArg, PictureArgs};
 use crate::picture::{self, Extras, Picture, Shown};
-use crate::scene::{self, Source, Voxels};
+use crate::scene;
+use crate::source::Source;
 use crate::stats::{self, ms};
+use crate::voxelize::{self, Voxels};
 
 /// What is measured.
 pub struct Subject<'a> {
@@ -139,7 +141,7 @@ fn build(subject: &Subject<'_>, report: &mut Report, memory: &Memory) -> Result<
     let mut kept = None;
     for run in 0..subject.runs {
         let last = run + 1 == subject.runs;
-        kept = scene::voxelize(subject.source, &args, MaterialMode::TableNormals, memory, |voxels| {
+        kept = voxelize::voxelize(subject.source, &args, MaterialMode::TableNormals, memory, |voxels| {
             let Voxels { grid, bounds, dag, mut pending, voxelize, reduce } = voxels;
             stages.voxelize.push(ms(voxelize));
             stages.dag.push(ms(reduce));

@@ -22,7 +22,7 @@ use crate::output::{Folder, Output};
 use crate::picture::Picture;
 use crate::progress::Progress;
 use crate::report::{Lines, file_name, shell_word, time, visible};
-use crate::scene;
+use crate::source;
 use measure::Subject;
 use published::Published;
 use report::{Report, Seen};
@@ -142,7 +142,7 @@ fn write_all(args: &Args, names: &[String], pool: &rayon::ThreadPool) -> Result<
     let progress = Progress::stage("measuring", total);
     for (path, name) in args.meshes.iter().zip(names) {
         let mut memory = args.machine.memory();
-        let source = scene::import_file(path, input::read_mesh(path, &mut memory)?, false, &mut memory)?;
+        let source = source::import_file(path, input::read_mesh(path, &mut memory)?, false, &mut memory)?;
         let mesh = source.model.mesh();
         let published = Published::of(name, mesh.triangles.len());
         let (triangles, materials) = (mesh.triangles.len() as f64, source.model.materials.len() as f64);
