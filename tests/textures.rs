@@ -274,6 +274,29 @@ fn what_is_cut_out_is_empty() {
     }
 }
 
+/// Leaves on white that nobody is to see: what is left of the surface is green, at its borders, too, and however coarse.
+#[test]
+fn transparent_pixels_lend_no_color() {
+    const GREEN: [u8; 3] = [30, 200, 10];
+    let leaf = |x: u32, y: u32| !(x / 5 + y / 3).is_multiple_of(3);
+    let card = picture(128, 128, |x, y| {
+        let [r, g, b] = GREEN;
+        if leaf(x, y) { [r, g, b, 255] } else { [255, 255, 255, 0] }
+    });
+    for side in [4, 16, 64, 128, 200] {
+        let found = Sheet::square(f64::from(side)).colors(&unit_grid(side), &painted(&card, Placement::default()));
+        let mut hidden = 0;
+        for (voxel, color) in &found {
+            // Only where all that is read is transparent, the surface has the colour that is there all the same.
+            match color {
+                [255, 255, 255] => hidden += 1,
+                _ => assert!((0..3).all(|i| color[i].abs_diff(GREEN[i]) <= 1), "{color:?} at {voxel:?}, {side} voxels"),
+            }
+        }
+        assert!(hidden * 3 < found.len() && (side < 128 || hidden > 0), "{hidden} of {} with {side}", found.len());
+    }
+}
+
 /// What the words of blocks say by the documentation.
 fn decoded(words: &[u32], rank: u64) -> [u8; 3] {
     let count = u64::from(words[0]) | u64::from(words[1]) << 32;

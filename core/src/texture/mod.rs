@@ -3,6 +3,7 @@
 //! In: the pixels of a picture and how they lie on a surface. Out: its mean colour around a place. A picture is kept with
 //! halves of itself down to one pixel (Williams 1983), each pixel the mean of those that it covers, in linear light; a
 //! read takes the halving in which a step of the reader is about a pixel, and blends the four pixels around the place.
+//! What is more opaque counts more in both: the colours under transparent pixels are seldom meant to be seen.
 //!
 //! Texture coordinates are those of OBJ: (0, 0) is the lower left corner of the picture, v goes up.
 
@@ -154,22 +155,27 @@ fn covered(at: u32, half: u32, whole: u32) -> core::ops::Range<u32> {
     edge(at)..edge(at + 1)
 }
 
-/// The mean of some pixels of a level, colours in linear light.
+/// The mean of some pixels of a level, colours in linear light and by their opacity; if all are transparent the plain mean.
 fn mean(pixels: &[u32], level: &Level, columns: core::ops::Range<u32>, rows: core::ops::Range<u32>) -> u32 {
-    let count = (columns.len() * rows.len()) as u32;
-    let mut sums = [count / 2; 4];
+    let count = (columns.len() * rows.len()) as u64;
+    let (mut plain, mut weighted, mut opacity) = ([0; 3], [0; 3], 0);
     for y in rows {
         for x in columns.clone() {
-            let pixel = pixels[level.start + y as usize * level.width as usize + x as usize].to_le_bytes();
-            for i in 0..3 {
-                sums[i] += u32::from(color::LINEAR[usize::from(pixel[i])]);
+            let [r, g, b, weight] = pixels[level.start + y as usize * level.width as usize + x as usize].to_le_bytes();
+            let weight = u64::from(weight);
+            for (i, byte) in [r, g, b].into_iter().enumerate() {
+                let linear = u64::from(color::LINEAR[usize::from(byte)]);
+                plain[i] += linear;
+                weighted[i] += weight * linear;
             }
-            sums[3] += u32::from(pixel[3]);
+            opacity += weight;
         }
     }
-    let [r, g, b, opacity] = sums.map(|sum| sum / count);
-    let [r, g, b] = [r, g, b].map(color::linear_to_srgb8);
-    u32::from_le_bytes([r, g, b, opacity as u8])
+    let rounded = |sum: u64, of: u64| ((sum + of / 2) / of) as u32;
+    let linear =
+        if opacity == 0 { plain.map(|sum| rounded(sum, count)) } else { weighted.map(|sum| rounded(sum, opacity)) };
+    let [r, g, b] = linear.map(color::linear_to_srgb8);
+    u32::from_le_bytes([r, g, b, rounded(opacity, count) as u8])
 }
 
 /// The textures of a material.
@@ -232,10 +238,15 @@ impl Texture {
         level
     }
 
-    /// The linear colour at a place (as [`Texture::to_pixels`] gives it), blended from four pixels of a halving; of the
-    /// last one if there is none of that number.
-    pub fn read(&self, place: [f64; 2], level: usize) -> [f64; 3] {
-        self.blend(place, level, |[r, g, b, _]| [r, g, b].map(|byte| self.light[usize::from(byte)]))
+    /// The linear colour at a place (as [`Texture::to_pixels`] gives it), blended from four pixels of a halving (of the
+    /// last one if there is none of that number), times its weight, and the weight: with `by_opacity` the pixels' opacity,
+    /// 0 to 1, else 1. So a mean over places is that of the colours by that of the weights.
+    pub fn read(&self, place: [f64; 2], level: usize, by_opacity: bool) -> [f64; 4] {
+        self.blend(place, level, |[r, g, b, opacity]| {
+            let weight = if by_opacity { f64::from(opacity) / 255.0 } else { 1.0 };
+            let [r, g, b] = [r, g, b].map(|byte| weight * self.light[usize::from(byte)]);
+            [r, g, b, weight]
+        })
     }
 
     /// How much of the surface is there at a place, 0 to 1: the picture's opacity, or if it is opaque everywhere its
@@ -308,7 +319,9 @@ mod tests {
     }
 
     fn at(texture: &Texture, uv: [f64; 2]) -> [f64; 3] {
-        texture.read(texture.to_pixels(uv), 0)
+        let [r, g, b, weight] = texture.read(texture.to_pixels(uv), 0, false);
+        assert_eq!(weight, 1.0);
+        [r, g, b]
     }
 
     #[test]
@@ -358,5 +371,25 @@ mod tests {
         assert_eq!(sizes(&Image::new(5, 3, [0; 15].to_vec()).unwrap()), [(5, 3), (2, 1), (1, 1)]);
         assert_eq!(Image::new(2, 2, [0; 3].to_vec()), Err(ImageError::Size { expected: 4, found: 3 }));
         assert_eq!(Image::new(0, 0, Vec::new()), Err(ImageError::Size { expected: 1, found: 0 }));
+    }
+
+    #[test]
+    fn what_is_transparent_lends_no_colour() {
+        const CLEAR_WHITE: u32 = 0x00ff_ffff;
+        // A green leaf on white that is not to be seen: green at every size, and wherever something of it is left.
+        let image = Image::new(4, 1, [GREEN, GREEN, GREEN, CLEAR_WHITE].to_vec()).unwrap();
+        let halves: Vec<_> = image.levels.iter().map(|level| image.pixels[level.start].to_le_bytes()).collect();
+        assert_eq!(halves, [[0, 255, 0, 255], [0, 255, 0, 255], [0, 255, 0, 192]]);
+        let second = image.levels[1].start + 1;
+        assert_eq!(image.pixels[second].to_le_bytes(), [0, 255, 0, 128]);
+        let clamp = Placement { clamp: true, ..Placement::default() };
+        let leaf = Texture::new(Arc::new(image), clamp);
+        assert_eq!(leaf.read([3.0, 0.5], 0, true), [0.0, 0.5, 0.0, 0.5]);
+        assert_eq!(leaf.read([3.0, 0.5], 0, false), [0.5, 1.0, 0.5, 1.0]);
+        assert_eq!(leaf.read([3.5, 0.5], 0, true), [0.0; 4]);
+        // Where nothing is to be seen, what is there all the same.
+        let hidden = Image::new(2, 1, [0x0000_00ff, 0x00ff_0000].to_vec()).unwrap();
+        let byte = color::linear_to_srgb8(color::WHITE / 2);
+        assert_eq!(hidden.pixels[2].to_le_bytes(), [byte, 0, byte, 0]);
     }
 }

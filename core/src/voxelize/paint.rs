@@ -134,7 +134,13 @@ impl Paint<'_> {
 
     /// The colour of the voxel around `center` (in 1/256 voxels); white without texture coordinates.
     pub(super) fn color(&self, center: [i64; 3]) -> [u8; 3] {
-        let linear = self.mean(center, |place| self.texture.read(place, self.level)).unwrap_or([1.0; 3]);
+        let read = |by_opacity| self.mean(center, |place| self.texture.read(place, self.level, by_opacity));
+        let linear = match read(true) {
+            None => [1.0; 3],
+            // Where nothing of the picture is to be seen, but the surface is there.
+            Some([_, _, _, 0.0]) => read(false).map_or([1.0; 3], |[r, g, b, _]| [r, g, b]),
+            Some([r, g, b, weight]) => [r, g, b].map(|x| x / weight),
+        };
         linear.map(|x| color::linear_to_srgb8(color::quantize(x as f32)))
     }
 
