@@ -39,10 +39,12 @@ fn main() -> ExitCode {
     }
 }
 
-/// The workspace's folder.
-fn root() -> &'static Path {
-    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    here.ancestors().nth(2).unwrap_or(here)
+/// The workspace's folder: where `cargo web` runs this tool, even if it was compiled before the folder was moved.
+fn root() -> PathBuf {
+    let mut here = env::var_os("CARGO_MANIFEST_DIR").map_or(env!("CARGO_MANIFEST_DIR").into(), PathBuf::from);
+    here.pop();
+    here.pop();
+    here
 }
 
 /// Where cargo puts what it builds.
@@ -55,7 +57,7 @@ fn build() -> Result<(), Box<dyn Error>> {
     let cargo = env::var_os("CARGO").unwrap_or("cargo".into());
     let status = Command::new(cargo)
         .args(["build", "--locked", "--profile", "web", "-p", "voxdag-wasm", "--target", "wasm32-unknown-unknown"])
-        .current_dir(root)
+        .current_dir(&root)
         .env_remove("CARGO_ENCODED_RUSTFLAGS")
         .env("CARGO_TARGET_DIR", &target)
         // All browsers since 2023 have vectors; docs/browser.md says what they bring.
