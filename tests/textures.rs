@@ -274,6 +274,31 @@ fn what_is_cut_out_is_empty() {
     }
 }
 
+/// What is built at once has the colours that are made step by step, by whatever ranks the materials go.
+#[test]
+fn built_at_once_is_built_by_parts() {
+    let card = picture(64, 64, |x, y| [4 * x as u8, 4 * y as u8, (x * y) as u8, 255]);
+    let (sheet, maps, grid) = (Sheet::square(40.0), painted(&card, Placement::default()), unit_grid(40));
+    let expected = sheet.colors(&grid, &maps);
+    let modes = [MaterialMode::Tree, MaterialMode::Table, MaterialMode::Ranked, MaterialMode::Moxels];
+    for materials in modes {
+        let options = Options { materials, colors: ColorMode::Raw, ..Options::default() };
+        let mesh = sheet.mesh();
+        let built = Build::new(&mesh, &grid, &options).unwrap().with_textures(&maps).run().unwrap();
+        let looks = built.looks().unwrap();
+        let found = built.dag.dag().voxels().map(|voxel| (voxel.decode(), looks.color(voxel).unwrap()));
+        assert!(found.eq(expected.iter().copied()), "{materials:?}");
+        assert!(built.dag.dag().voxels().all(|voxel| looks.id(voxel) == 0));
+
+        // Without textures ranks are there only where materials go by them; colours without ranks are refused.
+        let mut plain = Build::new(&mesh, &grid, &options).unwrap().run().unwrap();
+        assert!(plain.looks().unwrap().colors.is_none());
+        plain.colors = built.colors;
+        let by_rank = matches!(materials, MaterialMode::Ranked | MaterialMode::Moxels);
+        assert_eq!(plain.looks().is_ok(), by_rank);
+    }
+}
+
 /// Leaves on white that nobody is to see: what is left of the surface is green, at its borders, too, and however coarse.
 #[test]
 fn transparent_pixels_lend_no_color() {

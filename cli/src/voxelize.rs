@@ -27,7 +27,8 @@ pub fn options(args: &BuildArgs, materials: MaterialMode, memory_limit: Option<u
         CoverArg::Thin => Cover::Thin,
         CoverArg::Inflated => Cover::Inflated,
     };
-    Options { cover, materials, memory_limit, parts_at_once: rayon::current_num_threads() }
+    let colors = args.textures.unwrap_or_default().mode().unwrap_or_default();
+    Options { cover, materials, colors, memory_limit, parts_at_once: rayon::current_num_threads() }
 }
 
 /// Lays the grid out as the flags say.

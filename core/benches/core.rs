@@ -83,7 +83,7 @@ static SCENE: LazyLock<Scene> = LazyLock::new(|| {
         Build::new(&mesh, &grid, &options).unwrap().run().unwrap()
     };
     let (dag, table) = match built(MaterialMode::Table) {
-        Built { dag, materials: MaterialsBuf::Table(table) } => (dag, table),
+        Built { dag, materials: MaterialsBuf::Table(table), .. } => (dag, table),
         _ => panic!("a table was asked for"),
     };
     let tree = built(MaterialMode::Tree).materials;

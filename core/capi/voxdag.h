@@ -83,7 +83,8 @@ enum VoxdagStatus
   VOXDAG_STATUS_MESH_OUTSIDE = 36,
   // A grid whose resolution, voxel size or origin is out of range.
   VOXDAG_STATUS_GRID = 37,
-  // A material with a number that is not finite or below 0; `position` is the material.
+  // A material with a number that is not finite or below 0, or with a texture that has no pixels; `position` is the
+  // material.
   VOXDAG_STATUS_MATERIAL = 38,
   // A name that is not UTF-8; `position` is the material.
   VOXDAG_STATUS_NAME = 39,
@@ -323,8 +324,48 @@ typedef uint32_t VoxdagKeep;
 #endif // __STDC_VERSION__ >= 202311L
 #endif // __cplusplus
 
+// How the colours of textures are kept.
+enum VoxdagColors
+#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+  : uint32_t
+#endif // defined(__cplusplus) || __STDC_VERSION__ >= 202311L
+ {
+  // Blocks of 64 voxels between two colours each: some 5 bits a voxel, nearly the same colours (the default).
+  VOXDAG_COLORS_BLOCKS = 0,
+  // 24 bits a voxel, the very same colours.
+  VOXDAG_COLORS_RAW = 1,
+};
+#ifndef __cplusplus
+#if __STDC_VERSION__ >= 202311L
+typedef enum VoxdagColors VoxdagColors;
+#else
+typedef uint32_t VoxdagColors;
+#endif // __STDC_VERSION__ >= 202311L
+#endif // __cplusplus
+
 // A scene that was opened. It never changes: any number of threads may use it at the same time.
 typedef struct VoxdagScene VoxdagScene;
+
+// A picture as it lies on surfaces; it is read during the call only. Begin with `voxdag_texture_default()`, which is none.
+typedef struct VoxdagTexture {
+  // 4 * width * height bytes, row by row from the top: red, green, blue in sRGB, and opacity (255 opaque). Null: no
+  // texture. Textures with the same pixels, width and height share one picture.
+  const uint8_t *pixels;
+  // Pixels of a row.
+  uint32_t width;
+  // Rows.
+  uint32_t height;
+  // Factors on u and v.
+  float scale[2];
+  // What is added to the scaled u and v.
+  float offset[2];
+  // What is added to the picture's values.
+  float base;
+  // Factor on the picture's values.
+  float gain;
+  // Whether the picture ends in its borders outside 0 to 1 (1) or is repeated (0).
+  uint32_t clamp;
+} VoxdagTexture;
 
 // What to build. Begin with `voxdag_build_default()`.
 typedef struct VoxdagBuild {
@@ -332,8 +373,10 @@ typedef struct VoxdagBuild {
   uint32_t resolution;
   // `VOXDAG_COVER_*`.
   uint32_t cover;
-  // `VOXDAG_KEEP_*`.
+  // `VOXDAG_KEEP_*`; with `VOXDAG_KEEP_NONE` textures are left out, too.
   uint32_t keep;
+  // `VOXDAG_COLORS_*`.
+  uint32_t colors;
   // `VOXDAG_UP_*`, for the default view.
   uint32_t up;
   // Side of a voxel in world units, for a grid of the caller's choice that holds the whole mesh; 0: the smallest grid
@@ -367,7 +410,8 @@ typedef struct VoxdagMaterial {
   uint32_t shininess;
   // illum: the illumination model of MTL files, 0 to 10.
   uint32_t illum;
-  // Whether voxels have colours that it is multiplied by (1) or not (0). Scenes that `voxdag_build` makes have none.
+  // Whether voxels have colours that it is multiplied by (1) or not (0). `voxdag_build` does not read
+  // it: it takes textures.
   uint32_t textured;
 } VoxdagMaterial;
 
@@ -389,6 +433,15 @@ typedef struct VoxdagMesh {
   const struct VoxdagMaterial *materials;
   // Their names, material_count texts in UTF-8 that end with a zero byte; null: none, and each of them may be.
   const char *const *names;
+  // Texture coordinates, 6 * triangle_count numbers: u, v at each of a triangle's corners; (0, 0) is the lower left corner
+  // of a picture, v goes up. Null: none, and textures are not used. Triangles with one that is not finite are white.
+  const float *uvs;
+  // What colours the voxels of each material, in place of map_Kd: material_count textures; null: none. The colours multiply
+  // `ambient` and `diffuse`.
+  const struct VoxdagTexture *textures;
+  // What cuts each material out, in place of map_d: material_count textures; null: none. A triangle fills a voxel only if
+  // the picture leaves half or more of it: by its opacity, or, of an opaque picture, by its brightness.
+  const struct VoxdagTexture *cutouts;
 } VoxdagMesh;
 
 // More about an error, in memory that the caller lends: written where a function does not return `VOXDAG_STATUS_OK`, left
@@ -585,6 +638,9 @@ const char *voxdag_version(void);
 
 // A status (`VOXDAG_STATUS_*`) in words, without places and numbers, which a `VoxdagError` has: a text that lives for ever.
 const char *voxdag_error_message(int32_t status);
+
+// No texture. Once it has pixels: the picture as it is, once per unit of u and v, again and again.
+struct VoxdagTexture voxdag_texture_default(void);
 
 // 512 voxels along the longest axis of the smallest grid around the mesh, exact cover, a tree of materials, y up, no limit.
 struct VoxdagBuild voxdag_build_default(void);

@@ -1,11 +1,9 @@
 //! From files to the words of a `.vxd`, on this thread; a worker that builds is cancelled by ending it.
 
-use voxdag::colors::{ColorMode, Colored};
 use voxdag::file::{self, Parts};
 use voxdag::grid::UpAxis;
 use voxdag::obj::{self, Model, Warning};
-use voxdag::rank::{AnyRank, Prefix};
-use voxdag::scene::{Build, MaterialMode, Options};
+use voxdag::scene::{Build, Options};
 use voxdag::{Grid, Material};
 use wasm_bindgen::prelude::*;
 
@@ -101,24 +99,18 @@ fn voxels(
         join.add(build.part(part)?)?;
         progress.call(&JsValue::NULL, part as u32 + 1, build.parts() as u32);
     }
-    let (dag, pending) = join.finish()?;
-    let voxel_materials = pending.materials(&dag.dag(), MaterialMode::Tree)?;
-    let colors = pending.colors(&dag.dag(), ColorMode::Blocks)?;
-    let counts = if colors.is_some() { Prefix::build(&dag.dag())? } else { Vec::new() };
-    let colored = match &colors {
-        Some(colors) => Some(Colored::new(AnyRank::Prefix(Prefix::new(dag.dag(), &counts)?), colors.as_colors())?),
-        None => None,
-    };
-    let materials: Vec<Material> = model.palette(colors.is_some()).collect();
+    let built = join.built()?;
+    let looks = built.looks()?;
+    let materials: Vec<Material> = model.palette(looks.colors.is_some()).collect();
     let names: Vec<&str> = model.materials.iter().map(|named| named.name.as_str()).collect();
     let parts = Parts {
         grid,
         bounds,
         up,
         metres_per_unit: 0.0,
-        geometry: dag.dag().into(),
-        voxel_materials: voxel_materials.as_materials(None)?,
-        colors: colored,
+        geometry: built.dag.dag().into(),
+        voxel_materials: looks.materials,
+        colors: looks.colors,
         materials: &materials,
         names: &names,
     };

@@ -71,7 +71,8 @@ pub enum VoxdagStatus {
     MeshOutside = 36,
     /// A grid whose resolution, voxel size or origin is out of range.
     Grid = 37,
-    /// A material with a number that is not finite or below 0; `position` is the material.
+    /// A material with a number that is not finite or below 0, or with a texture that has no pixels; `position` is the
+    /// material.
     Material = 38,
     /// A name that is not UTF-8; `position` is the material.
     Name = 39,
@@ -124,6 +125,7 @@ pub(crate) enum Failure {
     TriangleMaterial { triangle: u64, material: u16, count: u64 },
     Material { index: u64, error: MaterialError },
     Illum { index: u64, found: u32 },
+    Texture { index: u64 },
     Name { index: u64 },
     Light { index: u64 },
 }
@@ -195,6 +197,12 @@ impl fmt::Display for Failure {
             Failure::Illum { index, found } => {
                 write!(f, "material {index} (counted from 0) has illum {found}: expected 0 to 10")
             }
+            Failure::Texture { index } => {
+                write!(
+                    f,
+                    "a texture of material {index} (counted from 0) has no pixels, or a number that is not finite"
+                )
+            }
             Failure::Name { index } => write!(f, "the name of material {index} (counted from 0) is not UTF-8"),
             Failure::Light { index } => {
                 write!(f, "light {index} (counted from 0) is of no kind, or has a number that is not finite")
@@ -262,7 +270,9 @@ impl Failure {
             Failure::Render(RenderError::Output { expected, .. }) => (S::TooSmall, NONE, expected),
             Failure::Render(RenderError::Camera(_)) => (S::Camera, NONE, 0),
             Failure::TriangleMaterial { triangle, .. } => (S::MeshMaterial, triangle, 0),
-            Failure::Material { index, .. } | Failure::Illum { index, .. } => (S::Material, index, 0),
+            Failure::Material { index, .. } | Failure::Illum { index, .. } | Failure::Texture { index } => {
+                (S::Material, index, 0)
+            }
             Failure::Name { index } => (S::Name, index, 0),
             Failure::Light { index } => (S::Light, index, 0),
         }

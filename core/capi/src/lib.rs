@@ -18,6 +18,7 @@ compile_error!("panics must unwind, so that none crosses into C: build with pani
 mod border;
 mod error;
 mod mesh;
+mod pictures;
 mod ray;
 mod render;
 mod scene;

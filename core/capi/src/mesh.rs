@@ -2,6 +2,7 @@
 
 use core::ffi::c_char;
 
+use voxdag::colors::ColorMode;
 use voxdag::file::Parts;
 use voxdag::grid::{Bounds, UpAxis};
 use voxdag::layout::AnyGeometry;
@@ -12,6 +13,7 @@ use voxdag::{Grid, Mesh};
 
 use crate::border::Caller;
 use crate::error::{Failure, VoxdagError, VoxdagStatus};
+use crate::pictures::Pictures;
 use crate::scene::VoxdagMaterial;
 
 /// Triangles over shared vertices.
@@ -34,6 +36,53 @@ pub struct VoxdagMesh {
     pub materials: *const VoxdagMaterial,
     /// Their names, material_count texts in UTF-8 that end with a zero byte; null: none, and each of them may be.
     pub names: *const *const c_char,
+    /// Texture coordinates, 6 * triangle_count numbers: u, v at each of a triangle's corners; (0, 0) is the lower left corner
+    /// of a picture, v goes up. Null: none, and textures are not used. Triangles with one that is not finite are white.
+    pub uvs: *const f32,
+    /// What colours the voxels of each material, in place of map_Kd: material_count textures; null: none. The colours multiply
+    /// `ambient` and `diffuse`.
+    pub textures: *const VoxdagTexture,
+    /// What cuts each material out, in place of map_d: material_count textures; null: none. A triangle fills a voxel only if
+    /// the picture leaves half or more of it: by its opacity, or, of an opaque picture, by its brightness.
+    pub cutouts: *const VoxdagTexture,
+}
+
+/// A picture as it lies on surfaces; it is read during the call only. Begin with `voxdag_texture_default()`, which is none.
+#[repr(C)]
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct VoxdagTexture {
+    /// 4 * width * height bytes, row by row from the top: red, green, blue in sRGB, and opacity (255 opaque). Null: no
+    /// texture. Textures with the same pixels, width and height share one picture.
+    pub pixels: *const u8,
+    /// Pixels of a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Factors on u and v.
+    pub scale: [f32; 2],
+    /// What is added to the scaled u and v.
+    pub offset: [f32; 2],
+    /// What is added to the picture's values.
+    pub base: f32,
+    /// Factor on the picture's values.
+    pub gain: f32,
+    /// Whether the picture ends in its borders outside 0 to 1 (1) or is repeated (0).
+    pub clamp: u32,
+}
+
+/// No texture. Once it has pixels: the picture as it is, once per unit of u and v, again and again.
+#[unsafe(no_mangle)]
+pub extern "C" fn voxdag_texture_default() -> VoxdagTexture {
+    VoxdagTexture {
+        pixels: core::ptr::null(),
+        width: 0,
+        height: 0,
+        scale: [1.0; 2],
+        offset: [0.0; 2],
+        base: 0.0,
+        gain: 1.0,
+        clamp: 0,
+    }
 }
 
 /// Which voxels a triangle fills.
@@ -60,6 +109,15 @@ pub enum VoxdagKeep {
     None = 3,
 }
 
+/// How the colours of textures are kept.
+#[repr(u32)]
+pub enum VoxdagColors {
+    /// Blocks of 64 voxels between two colours each: some 5 bits a voxel, nearly the same colours (the default).
+    Blocks = 0,
+    /// 24 bits a voxel, the very same colours.
+    Raw = 1,
+}
+
 /// What to build. Begin with `voxdag_build_default()`.
 #[repr(C)]
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -68,8 +126,10 @@ pub struct VoxdagBuild {
     pub resolution: u32,
     /// `VOXDAG_COVER_*`.
     pub cover: u32,
-    /// `VOXDAG_KEEP_*`.
+    /// `VOXDAG_KEEP_*`; with `VOXDAG_KEEP_NONE` textures are left out, too.
     pub keep: u32,
+    /// `VOXDAG_COLORS_*`.
+    pub colors: u32,
     /// `VOXDAG_UP_*`, for the default view.
     pub up: u32,
     /// Side of a voxel in world units, for a grid of the caller's choice that holds the whole mesh; 0: the smallest grid
@@ -90,6 +150,7 @@ pub extern "C" fn voxdag_build_default() -> VoxdagBuild {
         resolution: 512,
         cover: VoxdagCover::Exact as u32,
         keep: VoxdagKeep::Tree as u32,
+        colors: VoxdagColors::Blocks as u32,
         up: crate::VoxdagUp::Y as u32,
         voxel_size: 0.0,
         origin: [0.0; 3],
@@ -121,39 +182,47 @@ pub unsafe extern "C" fn voxdag_build(
         caller.room("words", words, room)?;
         caller.room("word_count", word_count, 1)?;
 
-        // The mesh, its materials and their names.
+        // The mesh, its materials, their names and pictures.
         let triangle_materials =
             caller.optional("mesh.triangle_materials", mesh.triangle_materials, mesh.triangle_count)?;
+        let uvs = caller.optional("mesh.uvs", mesh.uvs.cast::<[[f32; 2]; 3]>(), mesh.triangle_count)?;
         let view = Mesh {
             positions: caller.triples("mesh.positions", mesh.positions, mesh.vertex_count)?,
             triangles: caller.triples("mesh.indices", mesh.indices, mesh.triangle_count)?,
             materials: triangle_materials.unwrap_or(&[]),
+            uvs: uvs.unwrap_or(&[]),
             ..Mesh::default()
         };
-        let (materials, names) = looks(&caller, mesh)?;
+        let (mut materials, names) = looks(&caller, mesh)?;
         let count = materials.len() as u64;
         let missing = |id: &u16| u64::from(*id) >= count;
         if let Some(triangle) = view.materials.iter().position(missing) {
             let material = view.materials[triangle];
             return Err(Failure::TriangleMaterial { triangle: triangle as u64, material, count });
         }
+        let mut pictures = Pictures::new(options.memory_limit);
+        let maps = if uvs.is_some() { pictures.maps(&caller, mesh)? } else { Vec::new() };
 
         // The voxels.
         let bounds = view.validate()?;
         let grid = options.grid(&bounds)?;
-        let build = Build::new(&view, &grid, &options.options()?)?;
-        let built = build.run()?;
+        let built = Build::new(&view, &grid, &options.options(pictures.bytes)?)
+            .and_then(|build| build.with_textures(&maps).run())
+            .map_err(|error| pictures.beside(error))?;
+        let looks = built.looks().map_err(|_| Failure::Panic)?;
+        for (material, maps) in materials.iter_mut().zip(&maps) {
+            material.textured = looks.colors.is_some() && maps.diffuse.is_some();
+        }
 
         // The file.
-        let voxel_materials = built.materials.as_materials(None).map_err(|_| Failure::Panic)?;
         let parts = Parts {
             grid: grid.checked()?,
             bounds,
             up: options.up()?,
             metres_per_unit: options.metres_per_unit,
             geometry: AnyGeometry::Dag(built.dag.dag()),
-            voxel_materials,
-            colors: None,
+            voxel_materials: looks.materials,
+            colors: looks.colors,
             materials: &materials,
             names: &names,
         };
@@ -168,7 +237,7 @@ pub unsafe extern "C" fn voxdag_build(
 }
 
 /// A list with room for `count` items, or what it would take.
-fn list<T>(count: usize) -> Result<Vec<T>, Failure> {
+pub(crate) fn list<T>(count: usize) -> Result<Vec<T>, Failure> {
     let mut list = Vec::new();
     let needed = (count as u64).saturating_mul(size_of::<T>() as u64);
     list.try_reserve_exact(count).map_err(|_| Failure::Memory { needed })?;
@@ -246,18 +315,21 @@ impl VoxdagBuild {
         }
     }
 
-    fn options(&self) -> Result<Options, Failure> {
+    /// With so many bytes of the limit taken already.
+    fn options(&self, taken: u64) -> Result<Options, Failure> {
         self.up()?;
         if !(self.metres_per_unit >= 0.0 && self.metres_per_unit.is_finite()) {
             return Err(Failure::NotFinite { name: "metres_per_unit" });
         }
         let cover = [Cover::Exact, Cover::Thin, Cover::Inflated];
         let keep = [MaterialMode::Tree, MaterialMode::Table, MaterialMode::TableNormals, MaterialMode::None];
+        let colors = [ColorMode::Blocks, ColorMode::Raw];
         let choice = |name, found| Failure::Choice { name, found };
         Ok(Options {
             cover: *cover.get(self.cover as usize).ok_or(choice("cover", self.cover))?,
             materials: *keep.get(self.keep as usize).ok_or(choice("way to keep materials", self.keep))?,
-            memory_limit: (self.memory_limit != u64::MAX).then_some(self.memory_limit),
+            colors: *colors.get(self.colors as usize).ok_or(choice("way to keep colours", self.colors))?,
+            memory_limit: (self.memory_limit != u64::MAX).then_some(self.memory_limit.saturating_sub(taken)),
             parts_at_once: 1,
         })
     }

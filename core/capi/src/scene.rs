@@ -119,7 +119,8 @@ pub struct VoxdagMaterial {
     pub shininess: u32,
     /// illum: the illumination model of MTL files, 0 to 10.
     pub illum: u32,
-    /// Whether voxels have colours that it is multiplied by (1) or not (0). Scenes that `voxdag_build` makes have none.
+    /// Whether voxels have colours that it is multiplied by (1) or not (0). `voxdag_build` does not read
+    /// it: it takes textures.
     pub textured: u32,
 }
 

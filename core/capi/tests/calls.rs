@@ -5,9 +5,11 @@ mod scenes;
 use core::ffi::{CStr, c_char};
 use core::ptr::{null, null_mut};
 use std::ffi::CString;
+use std::sync::Arc;
 
 use scenes::Kind;
 use voxdag::camera::Camera;
+use voxdag::colors::ColorMode;
 use voxdag::effects::Effects;
 use voxdag::file::{self, Parts};
 use voxdag::grid::UpAxis;
@@ -15,6 +17,7 @@ use voxdag::normal::{NormalKind, normal};
 use voxdag::render::{Samples, Settings, Supersample, View, render_rows};
 use voxdag::scene::{Build, MaterialMode, Options};
 use voxdag::shade::{Light, LightKind};
+use voxdag::texture::{Image, Maps, Placement, Texture};
 use voxdag::trace::{Arithmetic, Face, Hit, Query, Tracer};
 use voxdag::voxelize::Cover;
 use voxdag::{Geometry, Grid, Material, Materials, Mesh, Morton};
@@ -550,11 +553,15 @@ fn what_is_built_is_what_the_core_builds() {
                 material_count: 2,
                 materials: given.as_ptr(),
                 names: names.as_ptr(),
+                uvs: null(),
+                textures: null(),
+                cutouts: null(),
             };
             let build = VoxdagBuild {
                 resolution: grid.resolution,
                 cover: number as u32,
                 keep: keep as u32,
+                colors: VoxdagColors::Blocks as u32,
                 up: VoxdagUp::Z as u32,
                 voxel_size: if own { 0.011 } else { 0.0 },
                 origin: if own { grid.origin } else { [f64::NAN; 3] },
@@ -583,10 +590,91 @@ fn what_is_built_is_what_the_core_builds() {
         material_count: 0,
         materials: null(),
         names: null(),
+        uvs: null(),
+        textures: null(),
+        cutouts: null(),
     };
     let (mut words, mut count) = (vec![0; 200_000], 0);
     let build = VoxdagBuild { resolution: 50, ..voxdag_build_default() };
     call!(voxdag_build(&mesh, &build, words.as_mut_ptr(), words.len(), &mut count));
     let scene = file::read(&words[..count]).unwrap();
     assert_eq!((scene.material_count(), scene.material(0)), (1, Material::GREY));
+}
+
+#[test]
+fn textures_are_the_cores() {
+    let (shape, ids) = scenes::shape();
+    let mut rng = Rng::new(SEED);
+    println!("seed {SEED}");
+    let (width, height) = (9u32, 5u32);
+    let pixels: Vec<u8> = (0..4 * width * height).map(|_| rng.below(256) as u8).collect();
+    let uvs: Vec<[[f32; 2]; 3]> =
+        shape.triangles.iter().map(|_| [0; 3].map(|_| [0; 2].map(|_| rng.uniform(-2.0, 2.0) as f32))).collect();
+
+    // One material is coloured, the other cut out, by the same picture laid differently.
+    let words = pixels.chunks_exact(4).map(|pixel| u32::from_le_bytes(pixel.try_into().unwrap())).collect();
+    let image = Arc::new(Image::new(width, height, words).unwrap());
+    let laid = Placement { scale: [2.0, -0.5, 1.0], offset: [0.25, 0.75, 0.0], clamp: true, base: 0.125, gain: 0.5 };
+    let lay = |placement| Some(Texture::new(image.clone(), placement));
+    let maps =
+        [Maps { diffuse: lay(laid), dissolve: None }, Maps { diffuse: None, dissolve: lay(Placement::default()) }];
+    let mut materials = scenes::materials();
+    materials[0].textured = true;
+    let plain = VoxdagTexture { pixels: pixels.as_ptr(), width, height, ..voxdag_texture_default() };
+    let turned = VoxdagTexture { scale: [2.0, -0.5], offset: [0.25, 0.75], clamp: 1, base: 0.125, gain: 0.5, ..plain };
+    let (textures, cutouts) = ([turned, voxdag_texture_default()], [voxdag_texture_default(), plain]);
+    let given = scenes::materials().map(|material| VoxdagMaterial {
+        ambient: material.ambient,
+        diffuse: material.diffuse,
+        specular: material.specular,
+        emission: material.emission,
+        transmission: material.transmission,
+        opacity: material.opacity,
+        refraction: material.refraction,
+        shininess: material.shininess,
+        illum: material.illum.into(),
+        textured: 0,
+    });
+    for (number, colors) in [ColorMode::Blocks, ColorMode::Raw].into_iter().enumerate() {
+        for (keep, mode) in [(0, MaterialMode::Tree), (1, MaterialMode::Table), (3, MaterialMode::None)] {
+            let mesh = Mesh { materials: &ids, uvs: &uvs, ..shape.mesh() };
+            let bounds = mesh.validate().unwrap();
+            let grid = Grid::fit(&bounds, 75).unwrap();
+            let options = Options { materials: mode, colors, ..Options::default() };
+            let built = Build::new(&mesh, &grid, &options).unwrap().with_textures(&maps).run().unwrap();
+            let looks = built.looks().unwrap();
+            assert_eq!(looks.colors.is_some(), mode != MaterialMode::None);
+            let expected = Parts {
+                grid,
+                bounds,
+                up: UpAxis::Y,
+                metres_per_unit: 0.0,
+                geometry: built.dag.dag().into(),
+                voxel_materials: looks.materials,
+                colors: looks.colors,
+                materials: if mode == MaterialMode::None { &scenes::materials() } else { &materials },
+                names: &["", ""],
+            };
+            let expected = expected.to_vec().unwrap();
+            let mesh = VoxdagMesh {
+                vertex_count: shape.positions.len(),
+                triangle_count: shape.triangles.len(),
+                positions: shape.positions.as_ptr().cast(),
+                indices: shape.triangles.as_ptr().cast(),
+                triangle_materials: ids.as_ptr(),
+                material_count: 2,
+                materials: given.as_ptr(),
+                names: null(),
+                uvs: uvs.as_ptr().cast(),
+                textures: textures.as_ptr(),
+                cutouts: cutouts.as_ptr(),
+            };
+            let build = VoxdagBuild { resolution: 75, keep, colors: number as u32, ..voxdag_build_default() };
+            let (mut words, mut count) = (vec![0; expected.len()], 0);
+            call!(voxdag_build(&mesh, &build, words.as_mut_ptr(), words.len(), &mut count));
+            assert!(words[..count] == expected, "{mode:?} {colors:?}");
+            let scene = file::read(&words).unwrap();
+            assert_eq!(scene.colors.is_some(), mode != MaterialMode::None);
+        }
+    }
 }

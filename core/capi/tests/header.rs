@@ -29,7 +29,8 @@ const HEAD: &str = "\
 /// What cbindgen makes of the sources, in the order in which one reads them.
 fn generate() -> String {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs");
-    let numbers = ["Arithmetic", "Face", "Up", "Normals", "LightKind", "Supersample", "Effects", "Cover", "Keep"];
+    let numbers =
+        ["Arithmetic", "Face", "Up", "Normals", "LightKind", "Supersample", "Effects", "Cover", "Keep", "Colors"];
     let mut config = Config {
         language: Language::C,
         cpp_compat: true,

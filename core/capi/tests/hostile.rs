@@ -250,6 +250,9 @@ fn meshes() {
         material_count: 2,
         materials: materials.as_ptr(),
         names: null(),
+        uvs: null(),
+        textures: null(),
+        cutouts: null(),
     };
     let build = VoxdagBuild { resolution: 16, ..voxdag_build_default() };
     let (mut words, mut count) = (vec![0; 4096], 0usize);
@@ -289,6 +292,7 @@ fn meshes() {
         (VoxdagBuild { voxel_size: 0.01, ..build }, S::MeshOutside),
         (VoxdagBuild { cover: 3, ..build }, S::Argument),
         (VoxdagBuild { keep: 4, ..build }, S::Argument),
+        (VoxdagBuild { colors: 2, ..build }, S::Argument),
         (VoxdagBuild { up: 2, ..build }, S::Argument),
         (VoxdagBuild { metres_per_unit: f64::NAN, ..build }, S::Argument),
         (VoxdagBuild { memory_limit: 100, ..build }, S::Memory),
@@ -303,6 +307,83 @@ fn meshes() {
     assert_eq!(fails!(voxdag_build(&mesh, &build, words.as_mut_ptr(), room, null_mut())).0, S::Null);
     assert_eq!(fails!(voxdag_build(null(), &build, words.as_mut_ptr(), room, &mut count)).0, S::Null);
     assert_eq!(fails!(voxdag_build(&mesh, null(), words.as_mut_ptr(), room, &mut count)).0, S::Null);
+}
+
+#[test]
+fn textures() {
+    let positions = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0f64];
+    let (indices, uvs) = ([0, 1, 2u32], [0.0, 0.0, 1.0, 0.0, f32::NAN, 1.0]);
+    let materials = [voxdag_material_default(); 2];
+    let pixels = [200u8; 16];
+    let picture = VoxdagTexture { pixels: pixels.as_ptr(), width: 2, height: 2, ..voxdag_texture_default() };
+    let both = [picture; 2];
+    let mesh = VoxdagMesh {
+        vertex_count: 3,
+        triangle_count: 1,
+        positions: positions.as_ptr(),
+        indices: indices.as_ptr(),
+        triangle_materials: null(),
+        material_count: 2,
+        materials: materials.as_ptr(),
+        names: null(),
+        uvs: uvs.as_ptr(),
+        textures: both.as_ptr(),
+        cutouts: null(),
+    };
+    let textures = |textures: &[VoxdagTexture; 2]| VoxdagMesh { textures: textures.as_ptr(), ..mesh };
+    let build = VoxdagBuild { resolution: 16, ..voxdag_build_default() };
+    let (mut words, mut count) = (vec![0; 4096], 0usize);
+    let room = words.len();
+    let none = voxdag_texture_default();
+    // What has no numbers is white; pictures without coordinates are not even read.
+    let wide = VoxdagTexture { width: u32::MAX, height: u32::MAX, ..picture };
+    for mesh in [textures(&both), VoxdagMesh { uvs: null(), ..textures(&[wide, none]) }] {
+        // SAFETY: pointers to what lives here.
+        assert_eq!(unsafe { voxdag_build(&mesh, &build, words.as_mut_ptr(), room, &mut count, null_mut()) }, S::Ok);
+    }
+    let odd = core::ptr::without_provenance(2);
+    for (pair, status, position) in [
+        ([picture, VoxdagTexture { width: 0, ..picture }], S::Material, 1),
+        ([VoxdagTexture { height: 0, ..picture }, none], S::Material, 0),
+        ([none, VoxdagTexture { scale: [1.0, f32::NAN], ..picture }], S::Material, 1),
+        ([none, VoxdagTexture { offset: [f32::INFINITY, 0.0], ..picture }], S::Material, 1),
+        ([none, VoxdagTexture { base: f32::NAN, ..picture }], S::Material, 1),
+        ([none, VoxdagTexture { gain: f32::NAN, ..picture }], S::Material, 1),
+        ([wide, none], S::Count, VOXDAG_NONE),
+    ] {
+        for by_cutout in [false, true] {
+            let mesh = if by_cutout {
+                VoxdagMesh { textures: null(), cutouts: pair.as_ptr(), ..mesh }
+            } else {
+                textures(&pair)
+            };
+            let found = fails!(voxdag_build(&mesh, &build, words.as_mut_ptr(), room, &mut count));
+            assert_eq!((found.0, found.1), (status, position), "{}", found.3);
+        }
+    }
+    for mesh in [VoxdagMesh { textures: odd, ..mesh }, VoxdagMesh { uvs: odd.cast(), ..mesh }] {
+        assert_eq!(fails!(voxdag_build(&mesh, &build, words.as_mut_ptr(), room, &mut count)).0, S::Misaligned);
+    }
+    // Pictures count for the limit, before they are read and beside what is built.
+    let limited = |memory_limit| VoxdagBuild { memory_limit, ..build };
+    let large = VoxdagTexture { width: 1 << 12, height: 1 << 12, ..picture };
+    let found =
+        fails!(voxdag_build(&textures(&[large, none]), &limited(1 << 20), words.as_mut_ptr(), room, &mut count));
+    assert_eq!((found.0, found.2), (S::Memory, 6 << 24));
+    let mut limit = 200;
+    for _ in 0..9 {
+        // SAFETY: pointers to what lives here.
+        let status = unsafe { voxdag_build(&mesh, &limited(limit), words.as_mut_ptr(), room, &mut count, null_mut()) };
+        if status == S::Ok {
+            assert!(limit > 200);
+            return;
+        }
+        let (status, _, needed, message) =
+            fails!(voxdag_build(&mesh, &limited(limit), words.as_mut_ptr(), room, &mut count));
+        assert!(status == S::Memory && needed > limit, "{message}");
+        limit = needed;
+    }
+    panic!("{limit} bytes are not enough");
 }
 
 #[test]

@@ -17,16 +17,20 @@
 
 mod owners;
 
+use alloc::vec::Vec;
+
 use self::owners::{MIXED, Owners};
 use crate::build::{BuildError, DagBuf, DagBuilder};
-use crate::colors::{ColorMode, ColorsBuf};
+use crate::colors::{ColorMode, Colored, ColorsBuf, Painted};
 use crate::dag::Dag;
+use crate::file::LoadError;
 use crate::grid::Grid;
 use crate::material::MaterialId;
-use crate::materials::{MaterialsBuf, Single};
+use crate::materials::{AnyMaterials, MaterialsBuf, Single};
 use crate::mesh::Mesh;
 use crate::morton::Morton;
-use crate::ranked::{MoxelsBuf, PackedBuf, PalettesBuf};
+use crate::rank::{AnyRank, Prefix};
+use crate::ranked::{MoxelsBuf, PackedBuf, PalettesBuf, RankedError};
 use crate::table::{Entry, InsertError, Table, TableBuf};
 use crate::texture::Maps;
 use crate::tree::{TreeBuf, TreeBuilder};
@@ -68,6 +72,8 @@ pub struct Options {
     pub cover: Cover,
     /// How materials are kept.
     pub materials: MaterialMode,
+    /// How the colours of textures are kept.
+    pub colors: ColorMode,
     /// Most bytes that building may take at one time, beside the mesh; `None` for no limit.
     pub memory_limit: Option<u64>,
     /// How many parts are built at the same time, for the limit; 0 counts as 1.
@@ -150,6 +156,25 @@ pub struct Built {
     pub dag: DagBuf,
     /// The material of each voxel.
     pub materials: MaterialsBuf,
+    /// The colours that textures gave to voxels; `None` if no voxel has one.
+    pub colors: Option<ColorsBuf>,
+    /// The counts of ranks, where materials or colours go by them.
+    counts: Option<Vec<u32>>,
+}
+
+impl Built {
+    /// What the voxels look like: for [`View`](crate::render::View), or for the [`Parts`](crate::file::Parts) of a file. An
+    /// error if one of the three was replaced by that of other voxels.
+    pub fn looks(&self) -> Result<Painted<'_, AnyMaterials<'_>>, LoadError> {
+        let counts = self.counts.as_ref().map(|counts| Prefix::new(self.dag.dag(), counts)).transpose();
+        let rank = counts.map_err(LoadError::Ranks)?.map(AnyRank::Prefix);
+        let materials = self.materials.as_materials(rank).map_err(LoadError::Ids)?;
+        let colored = self.colors.as_ref().map(ColorsBuf::as_colors).map(|colors| {
+            let missing = RankedError::Voxels { expected: 0, found: colors.count() };
+            Colored::new(rank.ok_or(missing)?, colors)
+        });
+        Ok(Painted { materials, colors: colored.transpose().map_err(LoadError::Colors)? })
+    }
 }
 
 /// Bytes that building takes per word of the DAG: the word, its share of the hash sets, and its copy at the end.
@@ -172,7 +197,7 @@ impl<'m> Build<'m> {
         Ok(build)
     }
 
-    /// With the textures of the materials, by id: colours ([`PendingMaterials::colors`]) and what is cut out.
+    /// With the textures of the materials, by id: colours ([`Built::colors`]) and what is cut out.
     pub fn with_textures(mut self, textures: &'m [Maps]) -> Build<'m> {
         self.voxelizer = self.voxelizer.with_textures(textures);
         self
@@ -264,9 +289,7 @@ impl<'m> Build<'m> {
         for part in 0..self.parts() {
             join.add(self.part(part)?)?;
         }
-        let (dag, pending) = join.finish()?;
-        let materials = pending.materials(&dag.dag(), self.options.materials)?;
-        Ok(Built { dag, materials })
+        join.built()
     }
 }
 
@@ -304,6 +327,22 @@ impl<'b, 'm> Join<'b, 'm> {
     pub fn finish(self) -> Result<(DagBuf, PendingMaterials<'b, 'm>), SceneError> {
         let dag = self.builder.finish().map_err(|e| self.build.reduce_error(e))?;
         Ok((dag, PendingMaterials { build: self.build, owners: self.owners, held: 0 }))
+    }
+
+    /// The finished DAG with its materials and colours as the options say, made on this thread.
+    pub fn built(self) -> Result<Built, SceneError> {
+        let options = self.build.options;
+        let (dag, mut pending) = self.finish()?;
+        let materials = pending.materials(&dag.dag(), options.materials)?;
+        pending.hold(size_of_val(materials.words()) as u64);
+        let colors = pending.colors(&dag.dag(), options.colors)?;
+        pending.hold(colors.as_ref().map_or(0, |colors| size_of_val(colors.as_colors().words())) as u64);
+        let mut counts = None;
+        if materials.needs_rank() || colors.is_some() {
+            pending.afford(&dag.dag(), 4 * Prefix::words_for(&dag.dag()) as u64)?;
+            counts = Some(Prefix::build(&dag.dag())?);
+        }
+        Ok(Built { dag, materials, colors, counts })
     }
 }
 
