@@ -107,8 +107,11 @@ fn the_edge_of_a_floor_costs_what_its_pixels_say() {
 #[test]
 fn a_sphere_is_compared_with_its_closed_form() {
     let s = Sandbox::new();
-    let view = "--eye 20,12,16 --target 0,0,0 --fov 4.5 --size 96x96";
-    let report = s.ok(&format!("accuracy --scene sphere -o out -r 32,128 --quick --repeat 1 {view} --json")).json();
+    s.write("view.toml", "effects = \"phong,+mirror\"\n[camera]\neye = [20, 12, 16]\ntarget = [0, 0, 0]\nfov = 4.5\n");
+    let view = "--view view.toml --size 96x96";
+    let run = s.ok(&format!("accuracy --scene sphere -o out -r 32,128 --quick --repeat 1 {view} --json"));
+    assert!(run.stderr.contains("warning: view.toml: its effects are left out"), "{}", run.stderr);
+    let report = run.json();
     assert_eq!(report["truth"], "the closed form");
     let degrees = |label| number(setting(&report, label), "shape.normal.mean");
 

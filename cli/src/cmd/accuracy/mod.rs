@@ -121,6 +121,11 @@ fn write_all(args: &Args) -> Result<Report> {
     let (camera, lighting) = (view.camera(&args.camera), view.lighting(&args.lighting));
     let files = [&page, &plot, &csv, &json];
     files.iter().try_for_each(|output| output.must_not_replace(view.file.as_slice()))?;
+    if let (Some(file), Some(_)) = (&args.view.view, view.effects) {
+        let why =
+            "the picture of the surfaces themselves has highlights and shadows, and so have those that are compared";
+        crate::report::warning(format_args!("{}: its effects are left out: {why}", file.display()));
+    }
     let pictures = args.output.join("pictures");
     let _folder = Folder::create(&pictures)?;
 
