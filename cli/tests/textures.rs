@@ -146,6 +146,43 @@ fn what_is_no_picture_is_grey_with_one_warning() {
     assert!(run.stderr.contains("card.mtl:4: Kd 0 0 0 would make texture \"card.png\" black"), "{}", run.stderr);
 }
 
+/// A Ka that nobody gave is Kd, also where a texture changes that.
+#[test]
+fn ambient_light_falls_on_what_a_texture_leaves_of_kd() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    s.write("card.mtl", "newmtl card\nKd 0\nmap_Kd card.png\n");
+    assert_card(&drawn(&s, "card.obj", "-r 64"), 2, "Kd 0 without a Ka");
+    s.write("card.mtl", "newmtl card\nKa 0\nKd 0\nmap_Kd card.png\n");
+    assert!(drawn(&s, "card.obj", "-r 64").pixels().all(|pixel| pixel.0 == [0; 3]), "a Ka that was given stays");
+    s.write("card.mtl", "newmtl card\n");
+    let grey = drawn(&s, "card.obj", "-r 64");
+    s.write("card.mtl", "newmtl card\nKd 1\nmap_Kd lost.png\n");
+    assert!(drawn(&s, "card.obj", "-r 64") == grey, "what a lost picture would colour is grey");
+}
+
+/// Of faces that share a material some can have texture coordinates and some not.
+#[test]
+fn faces_without_coordinates_are_told_of() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    s.write("card.obj", SQUARE.replace("f 1/1 2/2 3/3 4/4", "f 1/1 2/2 3/3\nf 1 3 4"));
+    s.write("card.mtl", "newmtl card\nmap_Kd card.png\nmap_d card.png\n");
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    for line in [2, 3] {
+        let expected = format!("card.mtl:{line}: texture \"card.png\" is not used on 1 of 2 triangles");
+        assert!(run.stderr.contains(&expected), "{}", run.stderr);
+    }
+    // Faces of another material have some: that is no help.
+    s.write("card.obj", format!("{}usemtl other\nf 2 3 4\n", SQUARE));
+    s.write("card.mtl", "newmtl card\nmap_Kd card.png\nnewmtl other\nmap_Kd card.png\nmap_d card.png\n");
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    for line in [4, 5] {
+        let expected =
+            format!("card.mtl:{line}: texture \"card.png\" is not used: the faces have no texture coordinates");
+        assert!(run.stderr.contains(&expected), "{}", run.stderr);
+    }
+    assert_eq!(run.stderr.matches("warning").count(), 2, "{}", run.stderr);
+}
+
 #[test]
 fn pictures_are_found_where_exporters_leave_them_and_kept_within_the_limit() {
     let s = sandbox("card.png", ImageFormat::Png);

@@ -97,7 +97,8 @@ impl Known {
     pub fn source(self) -> Source {
         let Shape { positions, triangles } = self.shape();
         let material = Material { specular: [0.4; 3], shininess: 30, illum: 2, ..Material::GREY };
-        let materials = vec![NamedMaterial { name: "grey".to_owned(), material, map_kd: None, map_d: None }];
+        let materials =
+            vec![NamedMaterial { name: "grey".to_owned(), material, has_ambient: true, map_kd: None, map_d: None }];
         let name = self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
         let faces = triangles.len();
         Source::of(&name, Model { positions, triangles, materials, faces, ..Model::default() })

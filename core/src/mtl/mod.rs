@@ -30,6 +30,8 @@ pub struct NamedMaterial {
     pub name: String,
     /// Its parameters, colours in linear light.
     pub material: Material,
+    /// Whether the library gives Ka; else it is Kd.
+    pub has_ambient: bool,
     /// The texture of its diffuse colour.
     pub map_kd: Option<TextureMap>,
     /// The texture that says where there is any of it.
@@ -66,7 +68,8 @@ impl Materials {
 
     /// The grey stand-in for a name without a definition; `None` if there are too many materials already.
     pub(crate) fn push_grey(&mut self, name: &str) -> Option<u16> {
-        self.push(NamedMaterial { name: name.into(), material: Material::GREY, map_kd: None, map_d: None })
+        let material = Material::GREY;
+        self.push(NamedMaterial { name: name.into(), material, has_ambient: false, map_kd: None, map_d: None })
     }
 
     /// Reads a library. Of several definitions of a name the first counts, as in the search order of `mtllib`.
@@ -229,7 +232,18 @@ impl Definition {
             illum: self.illum.unwrap_or(if specular == [0.0; 3] { 1 } else { 2 }),
             textured: false,
         };
-        NamedMaterial { name: self.name, material, map_kd: self.map_kd, map_d: self.map_d }
+        let has_ambient = self.ambient.is_some();
+        NamedMaterial { name: self.name, material, has_ambient, map_kd: self.map_kd, map_d: self.map_d }
+    }
+}
+
+impl NamedMaterial {
+    /// Another Kd, also for the Ka that follows it.
+    pub(crate) fn set_diffuse(&mut self, diffuse: [f32; 3]) {
+        self.material.diffuse = diffuse;
+        if !self.has_ambient {
+            self.material.ambient = diffuse;
+        }
     }
 }
 

@@ -8,8 +8,9 @@ use alloc::borrow::ToOwned;
 use alloc::format;
 use alloc::string::String;
 use alloc::sync::Arc;
+use alloc::vec;
 use alloc::vec::Vec;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::{Model, Warning};
 use crate::material::Material;
@@ -37,38 +38,36 @@ impl Model {
         find: impl FnMut(&str, u64) -> Option<Result<Image, DecodeError>>,
         limit: u64,
     ) -> Result<(), u64> {
-        let used: HashSet<u16> = self.triangle_materials.iter().copied().collect();
+        let laid = self.laid();
         let mut pictures = Pictures { find, known: HashMap::new(), left: limit };
-        let has_uvs = !self.uvs.is_empty();
         let mut textures = Vec::new();
-        for (id, named) in self.materials.iter_mut().enumerate() {
+        for (named, &laid) in self.materials.iter_mut().zip(&laid) {
             let mut maps = Maps::default();
             let mut note = |map: &TextureMap, message| {
                 self.warnings.push(Warning { file: map.library.clone(), line: map.line, message });
             };
-            let is_used = used.contains(&(id as u16));
-            if let Some(map) = named.map_kd.as_ref().filter(|_| is_used) {
-                let material = &mut named.material;
-                let found = pictures.texture(map, has_uvs, "what it would colour is drawn grey", &mut note);
+            let is_used = laid != [0, 0];
+            if let Some(map) = named.map_kd.clone().filter(|_| is_used) {
+                let found = pictures.texture(&map, laid, "what it would colour is drawn grey", &mut note);
                 maps.diffuse = match found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
                     Found::Texture(texture) => {
-                        if material.diffuse == [0.0; 3] {
+                        if named.material.diffuse == [0.0; 3] {
                             let path = quote(&map.path);
-                            note(map, format!("Kd 0 0 0 would make texture {path} black; Kd 1 1 1 is used instead"));
-                            material.diffuse = [1.0; 3];
+                            note(&map, format!("Kd 0 0 0 would make texture {path} black; Kd 1 1 1 is used instead"));
+                            named.set_diffuse([1.0; 3]);
                         }
-                        material.textured = true;
+                        named.material.textured = true;
                         Some(texture)
                     }
                     Found::Lost => {
-                        material.diffuse = Material::GREY.diffuse;
+                        named.set_diffuse(Material::GREY.diffuse);
                         None
                     }
                     Found::Useless => None,
                 };
             }
             if let Some(map) = named.map_d.as_ref().filter(|_| is_used) {
-                let found = pictures.texture(map, has_uvs, "nothing is cut out of its surfaces", &mut note);
+                let found = pictures.texture(map, laid, "nothing is cut out of its surfaces", &mut note);
                 if let Found::Texture(texture) = found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
                     maps.dissolve = Some(texture);
                 }
@@ -77,6 +76,17 @@ impl Model {
         }
         self.textures = textures;
         Ok(())
+    }
+
+    /// How many triangles of each material have texture coordinates, and how many do not.
+    fn laid(&self) -> Vec<[usize; 2]> {
+        let mut laid = vec![[0; 2]; self.materials.len()];
+        for (triangle, &id) in self.triangle_materials.iter().enumerate() {
+            let is_number = |corners: &[[f32; 2]; 3]| corners.as_flattened().iter().all(|x| x.is_finite());
+            let is_laid = self.uvs.get(triangle).is_some_and(is_number);
+            laid[usize::from(id)][usize::from(!is_laid)] += 1;
+        }
+        laid
     }
 }
 
@@ -100,12 +110,12 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
     fn texture(
         &mut self,
         map: &TextureMap,
-        has_uvs: bool,
+        [laid, others]: [usize; 2],
         instead: &str,
         note: &mut impl FnMut(&TextureMap, String),
     ) -> Result<Found, u64> {
         let picture = format!("texture {}", quote(&map.path));
-        if !has_uvs {
+        if laid == 0 {
             note(map, format!("{picture} is not used: the faces have no texture coordinates (vt)"));
             return Ok(Found::Useless);
         }
@@ -125,7 +135,14 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
             self.known.insert(key.clone(), image);
         }
         Ok(match &self.known[&key] {
-            Some(image) => Found::Texture(Texture::new(image.clone(), map.placement)),
+            Some(image) => {
+                if others > 0 {
+                    let all = laid + others;
+                    let why = "they have no texture coordinates (vt)";
+                    note(map, format!("{picture} is not used on {others} of {all} triangles: {why}"));
+                }
+                Found::Texture(Texture::new(image.clone(), map.placement))
+            }
             None => Found::Lost,
         })
     }
