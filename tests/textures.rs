@@ -31,7 +31,7 @@ fn picture(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Arc<
 }
 
 fn painted(image: &Arc<Image>, placement: Placement) -> Vec<Maps> {
-    vec![Maps { diffuse: Some(Texture::new(image.clone(), placement)), dissolve: None }]
+    vec![Maps::new(Some(Texture::new(image.clone(), placement)), None).unwrap()]
 }
 
 /// Triangles of one material with texture coordinates.
@@ -225,7 +225,7 @@ fn colors_do_not_depend_on_the_order() {
 fn a_brick_is_cut_out_as_the_whole_is() {
     let image = picture(8, 8, |x, y| [255, 255, 255, if (x + y) % 3 == 0 { 255 } else { 0 }]);
     let dissolve = Some(Texture::new(image, Placement::default()));
-    let (sheet, grid, maps) = (Sheet::square(32.0), unit_grid(32), [Maps { diffuse: None, dissolve }]);
+    let (sheet, grid, maps) = (Sheet::square(32.0), unit_grid(32), [Maps::new(None, dissolve).unwrap()]);
     let mesh = sheet.mesh();
     let voxelizer = Voxelizer::new(&mesh, &grid, Cover::Exact).unwrap().with_textures(&maps);
     let mut marked = BTreeMap::new();
@@ -260,7 +260,7 @@ fn what_is_cut_out_is_empty() {
     let sheet = Sheet::square(f64::from(side));
     for image in [by_opacity, by_brightness] {
         let [diffuse, dissolve] = [&white, &image].map(|image| Some(Texture::new(image.clone(), Placement::default())));
-        let found = sheet.colors(&unit_grid(side), &[Maps { diffuse, dissolve }]);
+        let found = sheet.colors(&unit_grid(side), &[Maps::new(diffuse, dissolve).unwrap()]);
         for y in 0..side {
             for x in 0..side {
                 let pixels = (0..16).filter(|k| inside(4 * x + k % 4, 127 - (4 * y + k / 4))).count();
@@ -299,26 +299,49 @@ fn built_at_once_is_built_by_parts() {
     }
 }
 
-/// Leaves on white that nobody is to see: what is left of the surface is green, at its borders, too, and however coarse.
+/// Leaves on white that is cut out: what is left of the surface is green, at its borders, too, and however coarse. The
+/// opacity may stand in the same picture, in another one of another size, or the other way round.
 #[test]
-fn transparent_pixels_lend_no_color() {
+fn what_is_cut_out_lends_no_color() {
     const GREEN: [u8; 3] = [30, 200, 10];
-    let leaf = |x: u32, y: u32| !(x / 5 + y / 3).is_multiple_of(3);
-    let card = picture(128, 128, |x, y| {
-        let [r, g, b] = GREEN;
-        if leaf(x, y) { [r, g, b, 255] } else { [255, 255, 255, 0] }
-    });
-    for side in [4, 16, 64, 128, 200] {
-        let found = Sheet::square(f64::from(side)).colors(&unit_grid(side), &painted(&card, Placement::default()));
-        let mut hidden = 0;
-        for (voxel, color) in &found {
-            // Only where all that is read is transparent, the surface has the colour that is there all the same.
-            match color {
-                [255, 255, 255] => hidden += 1,
-                _ => assert!((0..3).all(|i| color[i].abs_diff(GREEN[i]) <= 1), "{color:?} at {voxel:?}, {side} voxels"),
+    let leaf = |x: u32, y: u32, size: u32| !(x * 8 / size + y * 32 / size).is_multiple_of(3);
+    let [r, g, b] = GREEN;
+    let card = picture(128, 128, |x, y| if leaf(x, y, 128) { [r, g, b, 255] } else { [255, 255, 255, 0] });
+    let opaque = picture(128, 128, |x, y| if leaf(x, y, 128) { [r, g, b, 255] } else { [255; 4] });
+    let mask = picture(256, 256, |x, y| if leaf(x, y, 256) { [255; 4] } else { [0, 0, 0, 255] });
+    let holes = picture(128, 128, |x, y| if leaf(x, y, 128) { [r, g, b, 0] } else { [255; 4] });
+    let turned = Placement { base: 1.0, gain: -1.0, ..Placement::default() };
+    let lay = |image: &Arc<Image>, placement| Some(Texture::new(image.clone(), placement));
+    let plain = Placement::default();
+    for (what, color, cut) in [
+        ("in itself", lay(&card, plain), lay(&card, plain)),
+        ("apart", lay(&opaque, plain), lay(&mask, plain)),
+        ("inverted", lay(&holes, plain), lay(&holes, turned)),
+    ] {
+        let maps = [Maps::new(color, cut).unwrap()];
+        for side in [1, 4, 16, 37, 64, 128, 200] {
+            let found = Sheet::square(f64::from(side)).colors(&unit_grid(side), &maps);
+            assert!(!found.is_empty() && (side < 64 || found.len() < (side * side) as usize));
+            for (voxel, color) in &found {
+                // Half a pixel beyond the border is left where half of a voxel is.
+                let near = (0..3).all(|i| color[i].abs_diff(GREEN[i]) <= 1);
+                assert!(near, "{what}: {color:?} at {voxel:?}, {side} voxels");
             }
         }
-        assert!(hidden * 3 < found.len() && (side < 128 || hidden > 0), "{hidden} of {} with {side}", found.len());
+    }
+}
+
+/// Without a picture that cuts, opacity is none: what is drawn coarse is the mean of what is drawn fine.
+#[test]
+fn opacity_of_what_is_not_cut_out_counts_for_nothing() {
+    let checks = |opacity: u8| {
+        picture(64, 64, move |x, y| if (x / 4 + y / 4) % 2 == 0 { [255, 0, 0, 255] } else { [0, 0, 255, opacity] })
+    };
+    for side in [1, 4, 16, 64] {
+        let [faint, opaque] = [8, 255].map(|opacity| {
+            Sheet::square(f64::from(side)).colors(&unit_grid(side), &painted(&checks(opacity), Placement::default()))
+        });
+        assert!(faint == opaque, "{side} voxels");
     }
 }
 

@@ -129,7 +129,7 @@ fn bytes_of(model: &Model) -> u64 {
     let Mesh { positions, triangles, materials, name_order, uvs, normals } = model.mesh();
     let sizes = [size_of_val(positions), size_of_val(triangles), size_of_val(materials), size_of_val(name_order)];
     let mesh: u64 = sizes.into_iter().chain([size_of_val(uvs), size_of_val(normals)]).map(|bytes| bytes as u64).sum();
-    let textures = model.textures.iter().flat_map(|maps| [&maps.diffuse, &maps.dissolve]).flatten();
+    let textures = model.textures.iter().flat_map(|maps| [maps.diffuse(), maps.dissolve()]).flatten();
     // Each picture once, however many materials show it.
     let mut known = HashSet::new();
     let pictures = textures.map(Texture::image).filter(|image| known.insert(Arc::as_ptr(image)));

@@ -211,7 +211,7 @@ pub unsafe extern "C" fn voxdag_build(
             .map_err(|error| pictures.beside(error))?;
         let looks = built.looks().map_err(|_| Failure::Panic)?;
         for (material, maps) in materials.iter_mut().zip(&maps) {
-            material.textured = looks.colors.is_some() && maps.diffuse.is_some();
+            material.textured = looks.colors.is_some() && maps.diffuse().is_some();
         }
 
         // The file.

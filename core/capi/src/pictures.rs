@@ -33,7 +33,12 @@ impl Pictures {
                 Some(texture) if !texture.pixels.is_null() => self.texture(caller, texture, material as u64).map(Some),
                 _ => Ok(None),
             };
-            maps.push(Maps { diffuse: of(diffuse)?, dissolve: of(dissolve)? });
+            let (color, cut) = (of(diffuse)?, of(dissolve)?);
+            self.bytes = self.bytes.saturating_add(Maps::bytes_for(color.as_ref(), cut.as_ref()));
+            if self.bytes > self.limit {
+                return Err(Failure::Memory { needed: self.bytes });
+            }
+            maps.push(Maps::new(color, cut).map_err(|_| Failure::Memory { needed: self.bytes })?);
         }
         Ok(maps)
     }

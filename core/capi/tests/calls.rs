@@ -616,8 +616,7 @@ fn textures_are_the_cores() {
     let image = Arc::new(Image::new(width, height, words).unwrap());
     let laid = Placement { scale: [2.0, -0.5, 1.0], offset: [0.25, 0.75, 0.0], clamp: true, base: 0.125, gain: 0.5 };
     let lay = |placement| Some(Texture::new(image.clone(), placement));
-    let maps =
-        [Maps { diffuse: lay(laid), dissolve: None }, Maps { diffuse: None, dissolve: lay(Placement::default()) }];
+    let maps = [Maps::new(lay(laid), None).unwrap(), Maps::new(None, lay(Placement::default())).unwrap()];
     let mut materials = scenes::materials();
     materials[0].textured = true;
     let plain = VoxdagTexture { pixels: pixels.as_ptr(), width, height, ..voxdag_texture_default() };

@@ -42,14 +42,14 @@ impl Model {
         let mut pictures = Pictures { find, known: HashMap::new(), left: limit };
         let mut textures = Vec::new();
         for (named, &laid) in self.materials.iter_mut().zip(&laid) {
-            let mut maps = Maps::default();
+            let (mut diffuse, mut dissolve) = (None, None);
             let mut note = |map: &TextureMap, message| {
                 self.warnings.push(Warning { file: map.library.clone(), line: map.line, message });
             };
             let is_used = laid != [0, 0];
             if let Some(map) = named.map_kd.clone().filter(|_| is_used) {
                 let found = pictures.texture(&map, laid, "what it would colour is drawn grey", &mut note);
-                maps.diffuse = match found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
+                diffuse = match found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
                     Found::Texture(texture) => {
                         if named.material.diffuse == [0.0; 3] {
                             let path = quote(&map.path);
@@ -69,10 +69,13 @@ impl Model {
             if let Some(map) = named.map_d.as_ref().filter(|_| is_used) {
                 let found = pictures.texture(map, laid, "nothing is cut out of its surfaces", &mut note);
                 if let Found::Texture(texture) = found.map_err(|needed| needed.saturating_add(limit - pictures.left))? {
-                    maps.dissolve = Some(texture);
+                    dissolve = Some(texture);
                 }
             }
-            textures.push(maps);
+            let needed = Maps::bytes_for(diffuse.as_ref(), dissolve.as_ref());
+            let over = limit.saturating_sub(pictures.left).saturating_add(needed);
+            pictures.left = pictures.left.checked_sub(needed).ok_or(over)?;
+            textures.push(Maps::new(diffuse, dissolve).map_err(|_| over)?);
         }
         self.textures = textures;
         Ok(())

@@ -3,12 +3,13 @@
 //! In: the pixels of a picture and how they lie on a surface. Out: its mean colour around a place. A picture is kept with
 //! halves of itself down to one pixel (Williams 1983), each pixel the mean of those that it covers, in linear light; a
 //! read takes the halving in which a step of the reader is about a pixel, and blends the four pixels around the place.
-//! What is more opaque counts more in both: the colours under transparent pixels are seldom meant to be seen.
+//! Where another picture cuts the surface out, what it leaves counts ([`Maps`]).
 //!
 //! Texture coordinates are those of OBJ: (0, 0) is the lower left corner of the picture, v goes up.
 
 #[cfg(feature = "images")]
 mod decode;
+mod maps;
 
 use alloc::boxed::Box;
 use alloc::string::String;
@@ -19,6 +20,7 @@ use crate::color;
 
 #[cfg(feature = "images")]
 pub use decode::{MAX_IMAGE_SIDE, decode};
+pub use maps::Maps;
 
 /// How a picture lies on a surface, and how bright it is.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -97,6 +99,8 @@ pub struct Image {
     pixels: Vec<u32>,
     /// Whether a pixel is not opaque.
     has_opacity: bool,
+    /// Whether colours count by their opacity, in halves and where they are read.
+    is_weighted: bool,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -108,7 +112,11 @@ struct Level {
 
 impl Image {
     /// Takes `width * height` pixels, row by row from the top, red in the lowest byte of each, and adds the halves.
-    pub fn new(width: u32, height: u32, mut pixels: Vec<u32>) -> Result<Image, ImageError> {
+    pub fn new(width: u32, height: u32, pixels: Vec<u32>) -> Result<Image, ImageError> {
+        Image::halved(width, height, pixels, false)
+    }
+
+    fn halved(width: u32, height: u32, mut pixels: Vec<u32>, is_weighted: bool) -> Result<Image, ImageError> {
         let (expected, found) = (u64::from(width) * u64::from(height), pixels.len() as u64);
         if expected != found || found == 0 {
             return Err(ImageError::Size { expected: expected.max(1), found });
@@ -122,7 +130,7 @@ impl Image {
         loop {
             levels.push(level);
             if level.width == 1 && level.height == 1 {
-                return Ok(Image { levels, pixels, has_opacity });
+                return Ok(Image { levels, pixels, has_opacity, is_weighted });
             }
             let half =
                 Level { width: (level.width / 2).max(1), height: (level.height / 2).max(1), start: pixels.len() };
@@ -135,6 +143,7 @@ impl Image {
                         &level,
                         covered(x, half.width, level.width),
                         covered(y, half.height, level.height),
+                        is_weighted,
                     );
                     pixels.push(pixel);
                 }
@@ -155,8 +164,14 @@ fn covered(at: u32, half: u32, whole: u32) -> core::ops::Range<u32> {
     edge(at)..edge(at + 1)
 }
 
-/// The mean of some pixels of a level, colours in linear light and by their opacity; if all are transparent the plain mean.
-fn mean(pixels: &[u32], level: &Level, columns: core::ops::Range<u32>, rows: core::ops::Range<u32>) -> u32 {
+/// The mean of some pixels of a level, colours in linear light; with `by_opacity` each by that, unless all are transparent.
+fn mean(
+    pixels: &[u32],
+    level: &Level,
+    columns: core::ops::Range<u32>,
+    rows: core::ops::Range<u32>,
+    by_opacity: bool,
+) -> u32 {
     let count = (columns.len() * rows.len()) as u64;
     let (mut plain, mut weighted, mut opacity) = ([0; 3], [0; 3], 0);
     for y in rows {
@@ -172,20 +187,15 @@ fn mean(pixels: &[u32], level: &Level, columns: core::ops::Range<u32>, rows: cor
         }
     }
     let rounded = |sum: u64, of: u64| ((sum + of / 2) / of) as u32;
+    let is_plain = !by_opacity || opacity == 0;
     let linear =
-        if opacity == 0 { plain.map(|sum| rounded(sum, count)) } else { weighted.map(|sum| rounded(sum, opacity)) };
+        if is_plain { plain.map(|sum| rounded(sum, count)) } else { weighted.map(|sum| rounded(sum, opacity)) };
     let [r, g, b] = linear.map(color::linear_to_srgb8);
     u32::from_le_bytes([r, g, b, rounded(opacity, count) as u8])
 }
 
-/// The textures of a material.
-#[derive(Clone, Debug, Default)]
-pub struct Maps {
-    /// map_Kd: the colour of its voxels.
-    pub diffuse: Option<Texture>,
-    /// map_d: where it has voxels at all. A voxel that the surface fills by less than half is left empty.
-    pub dissolve: Option<Texture>,
-}
+/// What a pixel counts that is cut out: nothing beside others, all where there are no others.
+const LEAST_WEIGHT: f64 = 1e-6;
 
 /// A picture as it lies on the surfaces of a material.
 #[derive(Clone, Debug)]
@@ -239,11 +249,11 @@ impl Texture {
     }
 
     /// The linear colour at a place (as [`Texture::to_pixels`] gives it), blended from four pixels of a halving (of the
-    /// last one if there is none of that number), times its weight, and the weight: with `by_opacity` the pixels' opacity,
-    /// 0 to 1, else 1. So a mean over places is that of the colours by that of the weights.
-    pub fn read(&self, place: [f64; 2], level: usize, by_opacity: bool) -> [f64; 4] {
+    /// last one if there is none of that number), times its weight, and the weight. So a mean over places is the sum of the
+    /// colours over that of the weights, which is never 0. All weights are 1 but where [`Maps`] cut the surface out.
+    pub fn read(&self, place: [f64; 2], level: usize) -> [f64; 4] {
         self.blend(place, level, |[r, g, b, opacity]| {
-            let weight = if by_opacity { f64::from(opacity) / 255.0 } else { 1.0 };
+            let weight = if self.image.is_weighted { (f64::from(opacity) / 255.0).max(LEAST_WEIGHT) } else { 1.0 };
             let [r, g, b] = [r, g, b].map(|byte| weight * self.light[usize::from(byte)]);
             [r, g, b, weight]
         })
@@ -319,7 +329,7 @@ mod tests {
     }
 
     fn at(texture: &Texture, uv: [f64; 2]) -> [f64; 3] {
-        let [r, g, b, weight] = texture.read(texture.to_pixels(uv), 0, false);
+        let [r, g, b, weight] = texture.read(texture.to_pixels(uv), 0);
         assert_eq!(weight, 1.0);
         [r, g, b]
     }
@@ -371,25 +381,5 @@ mod tests {
         assert_eq!(sizes(&Image::new(5, 3, [0; 15].to_vec()).unwrap()), [(5, 3), (2, 1), (1, 1)]);
         assert_eq!(Image::new(2, 2, [0; 3].to_vec()), Err(ImageError::Size { expected: 4, found: 3 }));
         assert_eq!(Image::new(0, 0, Vec::new()), Err(ImageError::Size { expected: 1, found: 0 }));
-    }
-
-    #[test]
-    fn what_is_transparent_lends_no_colour() {
-        const CLEAR_WHITE: u32 = 0x00ff_ffff;
-        // A green leaf on white that is not to be seen: green at every size, and wherever something of it is left.
-        let image = Image::new(4, 1, [GREEN, GREEN, GREEN, CLEAR_WHITE].to_vec()).unwrap();
-        let halves: Vec<_> = image.levels.iter().map(|level| image.pixels[level.start].to_le_bytes()).collect();
-        assert_eq!(halves, [[0, 255, 0, 255], [0, 255, 0, 255], [0, 255, 0, 192]]);
-        let second = image.levels[1].start + 1;
-        assert_eq!(image.pixels[second].to_le_bytes(), [0, 255, 0, 128]);
-        let clamp = Placement { clamp: true, ..Placement::default() };
-        let leaf = Texture::new(Arc::new(image), clamp);
-        assert_eq!(leaf.read([3.0, 0.5], 0, true), [0.0, 0.5, 0.0, 0.5]);
-        assert_eq!(leaf.read([3.0, 0.5], 0, false), [0.5, 1.0, 0.5, 1.0]);
-        assert_eq!(leaf.read([3.5, 0.5], 0, true), [0.0; 4]);
-        // Where nothing is to be seen, what is there all the same.
-        let hidden = Image::new(2, 1, [0x0000_00ff, 0x00ff_0000].to_vec()).unwrap();
-        let byte = color::linear_to_srgb8(color::WHITE / 2);
-        assert_eq!(hidden.pixels[2].to_le_bytes(), [byte, 0, byte, 0]);
     }
 }

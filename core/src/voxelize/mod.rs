@@ -141,7 +141,7 @@ impl<'m> Voxelizer<'m> {
 
     /// Whether a material has a texture that colours its voxels.
     pub fn is_textured(&self, material: MaterialId) -> bool {
-        self.textures.get(usize::from(material)).is_some_and(|maps| maps.diffuse.is_some())
+        self.textures.get(usize::from(material)).is_some_and(|maps| maps.diffuse().is_some())
     }
 
     /// Calls `each` with every triangle and every subtree that it can mark (its code in units of subtrees).

@@ -35,12 +35,12 @@ impl Voxelizer<'_> {
 
     /// The texture that colours a triangle.
     pub(super) fn texture(&self, triangle: u32) -> Option<&Texture> {
-        self.maps(triangle)?.diffuse.as_ref()
+        self.maps(triangle)?.diffuse()
     }
 
     /// Of the voxels of a brick, the first of which is `first`, those that the triangle fills by half or more.
     pub(super) fn filled(&self, triangle: u32, first: [i64; 3], marked: u64) -> u64 {
-        let Some(texture) = self.maps(triangle).and_then(|maps| maps.dissolve.as_ref()) else { return marked };
+        let Some(texture) = self.maps(triangle).and_then(Maps::dissolve) else { return marked };
         let paint = self.lay(triangle, texture);
         bits(marked).filter(|bit| paint.opacity(center(first, *bit)) >= 0.5).fold(0, |mask, bit| mask | 1 << bit)
     }
@@ -134,13 +134,8 @@ impl Paint<'_> {
 
     /// The colour of the voxel around `center` (in 1/256 voxels); white without texture coordinates.
     pub(super) fn color(&self, center: [i64; 3]) -> [u8; 3] {
-        let read = |by_opacity| self.mean(center, |place| self.texture.read(place, self.level, by_opacity));
-        let linear = match read(true) {
-            None => [1.0; 3],
-            // Where nothing of the picture is to be seen, but the surface is there.
-            Some([_, _, _, 0.0]) => read(false).map_or([1.0; 3], |[r, g, b, _]| [r, g, b]),
-            Some([r, g, b, weight]) => [r, g, b].map(|x| x / weight),
-        };
+        let sum = self.mean(center, |place| self.texture.read(place, self.level));
+        let linear = sum.map_or([1.0; 3], |[r, g, b, weight]| [r, g, b].map(|x| x / weight));
         linear.map(|x| color::linear_to_srgb8(color::quantize(x as f32)))
     }
 

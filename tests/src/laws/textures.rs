@@ -33,7 +33,7 @@ pub fn textures(data: &[u8]) {
     let pixels = (0..width * height).map(|_| bytes.u32()).collect();
     let image = Arc::new(Image::new(width, height, pixels).expect("as many pixels as it has"));
     let texture = |is_there: bool| is_there.then(|| Texture::new(image.clone(), placement));
-    let maps = [Maps { diffuse: texture(does & 1 != 0), dissolve: texture(does & 2 != 0) }];
+    let maps = [Maps::new(texture(does & 1 != 0), texture(does & 2 != 0)).expect("small")];
     let grid = Grid { origin: [0.0; 3], voxel_size: 1.0, resolution: side };
 
     let first = built(&triangles, &grid, &maps);
