@@ -83,56 +83,83 @@ pub fn read_mesh(path: &Path, memory: &mut Memory) -> Result<Vec<u8>> {
     }
 }
 
-/// Finds the files that a mesh names, relative to the mesh's own folder, and remembers which were read.
+/// Finds the files that a mesh names, relative to the mesh's own folder, and remembers which are there.
 pub struct Companions<'a> {
     folder: PathBuf,
     memory: &'a mut Memory,
-    /// Every file that was read so far.
-    read: Vec<PathBuf>,
+    /// Every file that is there, read or not.
+    there: Vec<PathBuf>,
     /// Why the run cannot go on.
     failure: Option<Error>,
+}
+
+/// Why a file that is there has no content.
+pub enum Unread {
+    /// It is larger than so many bytes, which memory is left for; the run cannot go on.
+    Limit(u64),
+    /// What the system says.
+    Cause(std::io::Error),
 }
 
 impl Companions<'_> {
     /// Of the mesh at `path`.
     pub fn of<'a>(path: &Path, memory: &'a mut Memory) -> Companions<'a> {
         let folder = path.parent().unwrap_or(Path::new("")).to_path_buf();
-        Companions { folder, memory, read: vec![path.to_path_buf()], failure: None }
+        Companions { folder, memory, there: vec![path.to_path_buf()], failure: None }
     }
 
     /// The content of `name`; a file that is there and cannot be read counts as empty, with a warning.
     pub fn resolve(&mut self, name: &str) -> Option<Vec<u8>> {
         let content = self.content(name)?;
-        Some(content.unwrap_or_else(|cause| {
-            let (path, what) = (self.folder.join(name), "what it would define is drawn grey");
-            report::warning(format_args!("{}: cannot read: {cause}; {what}", path.display()));
+        Some(content.unwrap_or_else(|why| {
+            if let Unread::Cause(cause) = why {
+                let (path, what) = (self.folder.join(name), "what it would define is drawn grey");
+                report::warning(format_args!("{}: cannot be read: {cause}; {what}", path.display()));
+            }
             Vec::new()
         }))
     }
 
     /// The content of `name`, its folders apart by `/`; `None` if there is no such file.
-    pub fn content(&mut self, name: &str) -> Option<std::io::Result<Vec<u8>>> {
+    pub fn content(&mut self, name: &str) -> Option<std::result::Result<Vec<u8>, Unread>> {
         let path = self.folder.join(name);
+        let most = self.memory.left().unwrap_or(u64::MAX - 1);
+        let mut length = 0;
         // Asked before it is opened: opening a pipe would wait for its other end.
         let content = std::fs::metadata(&path).and_then(|found| {
             if !found.is_file() {
                 return Err(std::io::Error::other("it is not a regular file"));
             }
+            length = found.len();
             let mut bytes = Vec::new();
-            let most = self.memory.left().unwrap_or(u64::MAX - 1);
-            File::open(&path)?.take(most + 1).read_to_end(&mut bytes)?;
+            if length <= most {
+                // It may grow meanwhile.
+                File::open(&path)?.take(most + 1).read_to_end(&mut bytes)?;
+                length = length.max(bytes.len() as u64);
+            }
             Ok(bytes)
         });
         match content {
             Ok(bytes) => {
-                self.failure = self.failure.take().or(over(&path, bytes.len() as u64, self.memory).err());
-                self.memory.hold(bytes.len() as u64);
-                self.read.push(path);
+                self.there.push(path.clone());
+                if let Err(error) = over(&path, length, self.memory) {
+                    self.failure.get_or_insert(error);
+                    return Some(Err(Unread::Limit(length)));
+                }
+                self.memory.hold(length);
                 Some(Ok(bytes))
             }
             // `NotADirectory`: a part of the path is a file.
             Err(cause) if matches!(cause.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => None,
-            Err(cause) => Some(Err(cause)),
+            Err(cause) => Some(Err(Unread::Cause(cause))),
+        }
+    }
+
+    /// Remembers a file that the mesh names and that need not be read, if it is there.
+    pub fn note(&mut self, name: &str) {
+        let path = self.folder.join(name);
+        if std::fs::metadata(&path).is_ok_and(|found| found.is_file()) {
+            self.there.push(path);
         }
     }
 
@@ -141,9 +168,9 @@ impl Companions<'_> {
         self.memory
     }
 
-    /// The files that were read, or why the run cannot go on.
+    /// The files that are there, or why the run cannot go on.
     pub fn finish(self) -> Result<Vec<PathBuf>> {
-        self.failure.map_or(Ok(self.read), Err)
+        self.failure.map_or(Ok(self.there), Err)
     }
 }
 

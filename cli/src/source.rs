@@ -10,7 +10,7 @@ use voxdag::obj::{self, ImportError, Model, Warning};
 use voxdag::texture::{DecodeError, Texture, decode};
 
 use crate::error::{Error, Kind, Result};
-use crate::input::Companions;
+use crate::input::{Companions, Unread};
 use crate::memory::{Memory, round_up};
 use crate::progress::Progress;
 use crate::report;
@@ -24,7 +24,7 @@ pub struct Source {
     /// The name that messages give it.
     pub path: PathBuf,
     pub model: Model,
-    /// The mesh's file and those that it names.
+    /// The mesh's file and those that it names and that are there, read or not.
     pub files: Vec<PathBuf>,
     /// Time to parse it.
     pub parse_time: Duration,
@@ -48,6 +48,9 @@ pub fn import_file(path: &Path, text: Vec<u8>, textures: bool, memory: &mut Memo
     afford_import(path, &text, memory)?;
     let mut beside = Companions::of(path, memory);
     let source = import(path, &text, |name| beside.resolve(name)).and_then(|mut source| {
+        for map in source.model.materials.iter().flat_map(|named| [&named.map_kd, &named.map_d]).flatten() {
+            map.places().iter().for_each(|place| beside.note(place));
+        }
         if textures {
             load_textures(&mut source, &mut beside)?;
         }
@@ -95,7 +98,10 @@ fn load_textures(source: &mut Source, beside: &mut Companions<'_>) -> Result<()>
     );
     let (loaded, time) = stats::timed(|| {
         let picture = |name: &str, left| {
-            let bytes = beside.content(name)?.map_err(|cause| DecodeError::Picture(cause.to_string()));
+            let bytes = beside.content(name)?.map_err(|why| match why {
+                Unread::Limit(needed) => DecodeError::Limit { needed },
+                Unread::Cause(cause) => DecodeError::Picture(cause.to_string()),
+            });
             Some(bytes.and_then(|bytes| decode(name, &bytes, left)))
         };
         source.model.load_textures(picture, limit)

@@ -196,7 +196,7 @@ fn what_has_no_end_or_cannot_be_read_does_not_hang_the_run() {
     for library in [pipe, "/dev/zero", "dir.mtl"] {
         s.write("odd.obj", OBJ.replace("box.mtl", library));
         let run = s.ok("build odd.obj -o odd.vxd -r 8");
-        assert!(run.stderr.contains("cannot read: it is not a regular file"), "{}", run.stderr);
+        assert!(run.stderr.contains("cannot be read: it is not a regular file"), "{}", run.stderr);
         assert!(run.stderr.contains(library) && !run.stderr.contains("is not there"), "{}", run.stderr);
     }
     // A library counts towards the limit, and so does an input without a length.

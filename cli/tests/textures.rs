@@ -278,3 +278,49 @@ fn verify_tells_of_colors() {
     let found = s.ok("verify card.vxd").stdout;
     assert!(found.contains("colors     256 in blocks"), "{found}");
 }
+
+/// A picture that the mesh names is an input, whether this run reads it or not.
+#[test]
+fn pictures_are_never_overwritten() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    let before = s.read("card.png");
+    let refused = |flags: &str| {
+        s.run(&format!("render card.obj -r 16 --size 8x8 -o card.png {flags}"))
+            .fails(2, &["card.png", "never overwritten"]);
+        assert_eq!(s.read("card.png"), before, "{flags}");
+    };
+    refused("");
+    refused("--textures none");
+    refused("--materials none");
+    s.write("card.obj", SQUARE.replace("vt", "#").replace("1/1 2/2 3/3 4/4", "1 2 3 4"));
+    refused("");
+    s.write("card.mtl", "newmtl card\nnewmtl other\nmap_d card.png\n");
+    refused("");
+}
+
+/// What stands where the library says and cannot be read is no reason not to look beside it.
+#[test]
+fn a_picture_is_looked_for_past_what_cannot_be_read() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    std::fs::create_dir_all(s.path("tex/card.png")).unwrap();
+    s.write("card.mtl", "newmtl card\nmap_Kd tex/card.png\n");
+    assert_card(&drawn(&s, "card.obj", "-r 64"), 2, "a folder of that name");
+    std::fs::remove_file(s.path("card.png")).unwrap();
+    let run = s.ok("build card.obj -o card.vxd -r 16");
+    let expected = "card.mtl:2: texture \"tex/card.png\" cannot be read: it is not a regular file";
+    assert!(run.stderr.contains(expected), "{}", run.stderr);
+}
+
+/// A file that is larger than the limit is not read, and not called damaged.
+#[test]
+fn files_over_the_memory_limit_are_refused_by_their_length() {
+    let s = sandbox("card.png", ImageFormat::Png);
+    let png = s.read("card.png");
+    s.write("card.png", [&png[..], &vec![0; 3 << 20]].concat());
+    let run = s.run("build card.obj -o card.vxd -r 16 --memory-limit 1M");
+    run.fails(4, &["card.png needs", "(3.00 MiB)"]);
+    assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    s.write("card.mtl", vec![b' '; 3 << 20]);
+    let run = s.run("build card.obj -o card.vxd -r 16 --memory-limit 1M");
+    run.fails(4, &["card.mtl needs", "(3.00 MiB)"]);
+}

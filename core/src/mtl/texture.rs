@@ -23,6 +23,28 @@ pub struct TextureMap {
     pub placement: Placement,
 }
 
+impl TextureMap {
+    /// Where its picture may lie, relative to the OBJ, each place once, the likeliest first: as the library says, relative
+    /// to the library and to the OBJ, then by its bare name beside either.
+    pub fn places(&self) -> Vec<String> {
+        let folder = self.folder();
+        let name = self.path.rsplit('/').next().unwrap_or(&self.path);
+        let all = [format!("{folder}{}", self.path), self.path.clone(), format!("{folder}{name}"), name.into()];
+        let mut places = Vec::new();
+        for place in all {
+            if !places.contains(&place) {
+                places.push(place);
+            }
+        }
+        places
+    }
+
+    /// The folder of the library, with the `/` behind it.
+    pub(crate) fn folder(&self) -> &str {
+        self.library.rfind('/').map_or("", |end| &self.library[..=end])
+    }
+}
+
 /// What follows an option of a texture.
 enum Arguments {
     /// One number, up to so many more.

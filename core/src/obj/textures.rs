@@ -93,11 +93,6 @@ impl Model {
     }
 }
 
-/// The folder of the library that names a picture, with the `/` behind it.
-fn folder(map: &TextureMap) -> &str {
-    map.library.rfind('/').map_or("", |end| &map.library[..=end])
-}
-
 /// What became of a texture.
 enum Found {
     Texture(Texture),
@@ -122,7 +117,7 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
             note(map, format!("{picture} is not used: the faces have no texture coordinates (vt)"));
             return Ok(Found::Useless);
         }
-        let key = (folder(map).to_owned(), map.path.clone());
+        let key = (map.folder().to_owned(), map.path.clone());
         if !self.known.contains_key(&key) {
             let image = match self.find(map) {
                 Ok(image) => {
@@ -150,18 +145,16 @@ impl<F: FnMut(&str, u64) -> Option<Result<Image, DecodeError>>> Pictures<F> {
         })
     }
 
-    /// Finds a picture, or says why it cannot.
+    /// Finds a picture, or says why it cannot: why the first that is there cannot be read, if no other can.
     fn find(&mut self, map: &TextureMap) -> Result<Image, DecodeError> {
-        let folder = folder(map);
-        let name = map.path.rsplit('/').next().unwrap_or(&map.path);
-        let places = [format!("{folder}{}", map.path), map.path.clone(), format!("{folder}{name}"), name.to_owned()];
-        let found = places.iter().enumerate().find_map(|(i, place)| {
-            // The same place is not asked for twice.
-            if places[..i].contains(place) { None } else { (self.find)(place, self.left) }
-        });
-        found.ok_or_else(|| "is not there".to_owned())?.map_err(|error| match error {
-            DecodeError::Picture(why) => DecodeError::Picture(format!("cannot be read: {why}")),
-            over => over,
-        })
+        let mut why = None;
+        for place in map.places() {
+            match (self.find)(&place, self.left) {
+                Some(Err(DecodeError::Picture(cause))) => _ = why.get_or_insert(format!("cannot be read: {cause}")),
+                Some(found) => return found,
+                None => {}
+            }
+        }
+        Err(why.unwrap_or_else(|| "is not there".to_owned()).into())
     }
 }
