@@ -12,20 +12,25 @@ use voxdag::normal::{Confidence, Normal, NormalKind, normal, normals};
 use voxdag::render::{Counters, Full, Phong, Samples, Settings, Shadows, View, render_rows, render_rows_by};
 use voxdag::shade::{Light, LightKind};
 use voxdag::simd::Level;
-use voxdag::trace::{Arithmetic, Hit, Query, TopBuf, Tracer};
+use voxdag::trace::{Arithmetic, Hit, Query, Tile, TopBuf, Tracer};
 use voxdag::wide::WideBuf;
 use voxdag::{Dag, Grid, Material, Materials, Morton};
 use voxdag_oracle::octree::VoxelSet;
 
 const CASE: &str = "VOXDAG_STACK";
 
-/// What a thread takes by itself, its guard page aside.
-const THREAD: usize = 16;
+/// KiB that a thread takes by itself, its guard page aside.
+const THREAD: usize = 4;
+
+/// KiB that are used up before a call, as threads of a few pages are made larger than was asked for.
+const BURNT: usize = 64;
 
 /// Calls, and the KiB that they are said to take at most.
-const CASES: [(&str, usize); 7] = [
+const CASES: [(&str, usize); 9] = [
     ("one ray", 8),
+    ("rays in blocks", 12),
     ("many rays", 100),
+    ("a tile", 100),
     ("many normals", 20),
     ("phong", 200),
     ("shadows", 200),
@@ -44,9 +49,11 @@ fn calls_take_no_more_stack_than_is_said() {
         let run = Command::new(&this).env(CASE, format!("{name}={}", size + THREAD)).output().unwrap();
         assert!(run.status.success(), "{name} in {size} KiB: {}", String::from_utf8_lossy(&run.stderr));
     }
-    // The threads really have no more: this one cannot do with so little.
-    let run = Command::new(&this).env(CASE, format!("full={}", 64 + THREAD)).output().unwrap();
-    assert!(!run.status.success());
+    // The threads really have no more: these cannot do with so little.
+    for (name, size) in [("one ray", 2), ("many rays", 40), ("full", 64)] {
+        let run = Command::new(&this).env(CASE, format!("{name}={}", size + THREAD)).output().unwrap();
+        assert!(!run.status.success(), "{name} in {size} KiB");
+    }
 }
 
 /// All voxels of one material.
@@ -61,6 +68,15 @@ impl Materials for Alike {
     fn normal(&self, _: Morton) -> Option<[f32; 3]> {
         None
     }
+}
+
+/// Calls with [`BURNT`] KiB of the stack used up.
+#[inline(never)]
+fn burn(call: Box<dyn FnOnce() + Send + '_>) {
+    let mut block = [0u8; BURNT << 10];
+    black_box(&mut block);
+    call();
+    black_box(&mut block);
 }
 
 fn run(name: &str, size: usize) {
@@ -85,6 +101,8 @@ fn run(name: &str, size: usize) {
     let hits: Vec<_> = (0..300).map(|i| tracer.trace(Arithmetic::Exact, &query(i)).unwrap()).collect();
     let mut fitted = vec![Normal { direction: [0.0; 3], confidence: Confidence::Face }; hits.len()];
     let mut pixels = vec![0; 64 * 48];
+    let places: Vec<_> = (0..1000).map(|i| [f64::from(i % 32), f64::from(i / 32)]).collect();
+    let mut met = vec![None; places.len()];
     // Behind a pointer, so that no call's room becomes another's.
     let call: Box<dyn FnOnce() + Send> = match name {
         "one ray" => Box::new(|| {
@@ -97,6 +115,19 @@ fn run(name: &str, size: usize) {
             let put = |_, hit: Option<Hit>| met += usize::from(hit.is_some());
             tracer.trace_each(Arithmetic::Exact, 1000, query, put);
             assert!(met > 500);
+        }),
+        "rays in blocks" => Box::new(|| {
+            let tracer = Tracer::new(dag);
+            let mut met = 0;
+            tracer.trace_each(Arithmetic::Exact, 100, query, |_, hit: Option<Hit>| met += usize::from(hit.is_some()));
+            tracer.occluded_each(Arithmetic::Exact, 100, query, |_, blocked| met += usize::from(blocked));
+            assert!(met > 100);
+        }),
+        "a tile" => Box::new(|| {
+            let (corner, dx, dy) = ([-0.1, -0.1, -1.0], [0.002, 0.0, 0.0], [0.0, 0.002, 0.0]);
+            let tile = Tile { origin: [32.5, 32.5, 90.0], corner, dx, dy, places: &places };
+            tracer.trace_tile(Arithmetic::Exact, &tile, &mut met);
+            assert!(met.iter().flatten().count() > 100);
         }),
         "many normals" => Box::new(|| {
             for (kind, level) in NormalKind::ALL.into_iter().flat_map(|kind| [(kind, None), (kind, Level::best())]) {
@@ -111,7 +142,7 @@ fn run(name: &str, size: usize) {
         _ => panic!("{name}"),
     };
     std::thread::scope(|scope| {
-        let thread = std::thread::Builder::new().stack_size(size << 10).spawn_scoped(scope, call);
+        let thread = std::thread::Builder::new().stack_size((BURNT + size) << 10).spawn_scoped(scope, || burn(call));
         thread.unwrap().join().unwrap();
     });
 }

@@ -94,7 +94,7 @@ enum VoxdagStatus
   VOXDAG_STATUS_PICTURE_ROWS = 49,
   // A camera that sees nothing.
   VOXDAG_STATUS_CAMERA = 50,
-  // A light with a number that is not finite, or of no kind; `position` is the light.
+  // A light of no kind, nowhere, or with a number that is not finite or out of range; `position` is the light.
   VOXDAG_STATUS_LIGHT = 51,
 };
 #ifndef __cplusplus
@@ -236,7 +236,7 @@ enum VoxdagSupersample
   VOXDAG_SUPERSAMPLE_ALL = 0,
   // Those of a rectangle; the others take their centre.
   VOXDAG_SUPERSAMPLE_REGION = 1,
-  // Those whose corner samples do not all see one smooth surface, of patterns of 16 samples or more.
+  // Those whose corner samples do not all see one smooth surface; every pixel where there are fewer than 16 samples.
   VOXDAG_SUPERSAMPLE_ADAPTIVE = 2,
 };
 #ifndef __cplusplus
@@ -553,7 +553,8 @@ typedef struct VoxdagSettings {
   float ambient[3];
   // Linear colour where there is nothing.
   float background[3];
-  // How high above a surface the rays start that leave it, in steps of voxels; 1 is just above its steps, 0 on them.
+  // How high above a surface the rays start that leave it, in steps of voxels, 0 to 16; 1 is just above its steps, 0 on
+  // them.
   float lift;
 } VoxdagSettings;
 
@@ -575,9 +576,9 @@ typedef struct VoxdagLight {
   uint32_t kind;
   // Whether what stands in its way casts a shadow: 1 or 0.
   uint32_t shadow;
-  // The position, or the direction, of any length.
+  // The position, or the direction, of any length but 0.
   double position[3];
-  // Linear red, green, blue; 1 is white at full strength.
+  // Linear red, green, blue, none below 0; 1 is white at full strength.
   float color[3];
 } VoxdagLight;
 
@@ -782,7 +783,7 @@ VoxdagStatus voxdag_normal(const struct VoxdagScene *scene,
                            struct VoxdagError *error);
 
 // The surface's directions at many hits, the same answers as one by one; fastest where hits that follow each other are
-// near each other. Takes up to 20 KiB of stack, no heap.
+// near each other. Takes up to 30 KiB of stack, no heap.
 //
 // voxels, faces: `count` items, as `voxdag_trace_many` wrote them. directions: 3 * count numbers, those of the rays.
 // normals: room for 3 * count numbers.

@@ -83,7 +83,7 @@ pub enum VoxdagStatus {
     PictureRows = 49,
     /// A camera that sees nothing.
     Camera = 50,
-    /// A light with a number that is not finite, or of no kind; `position` is the light.
+    /// A light of no kind, nowhere, or with a number that is not finite or out of range; `position` is the light.
     Light = 51,
 }
 
@@ -205,7 +205,10 @@ impl fmt::Display for Failure {
             }
             Failure::Name { index } => write!(f, "the name of material {index} (counted from 0) is not UTF-8"),
             Failure::Light { index } => {
-                write!(f, "light {index} (counted from 0) is of no kind, or has a number that is not finite")
+                write!(
+                    f,
+                    "light {index} (counted from 0) is of no kind or nowhere, or has a number that is out of range"
+                )
             }
         }
     }
@@ -394,6 +397,6 @@ impl VoxdagStatus {
         (VoxdagStatus::PictureSize, c"the picture's width or height is out of range"),
         (VoxdagStatus::PictureRows, c"the rows are not in the picture"),
         (VoxdagStatus::Camera, c"the camera sees nothing"),
-        (VoxdagStatus::Light, c"a light is of no kind, or has a number that is not finite"),
+        (VoxdagStatus::Light, c"a light is of no kind or nowhere, or has a number that is out of range"),
     ];
 }

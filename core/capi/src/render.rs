@@ -42,11 +42,14 @@ pub struct VoxdagLight {
     pub kind: u32,
     /// Whether what stands in its way casts a shadow: 1 or 0.
     pub shadow: u32,
-    /// The position, or the direction, of any length.
+    /// The position, or the direction, of any length but 0.
     pub position: [f64; 3],
-    /// Linear red, green, blue; 1 is white at full strength.
+    /// Linear red, green, blue, none below 0; 1 is white at full strength.
     pub color: [f32; 3],
 }
+
+/// The largest `VoxdagSettings.lift`: beyond it things do not touch their shadows.
+const MOST_LIFT: f32 = 16.0;
 
 /// Which pixels take all samples.
 #[repr(u32)]
@@ -55,7 +58,7 @@ pub enum VoxdagSupersample {
     All = 0,
     /// Those of a rectangle; the others take their centre.
     Region = 1,
-    /// Those whose corner samples do not all see one smooth surface, of patterns of 16 samples or more.
+    /// Those whose corner samples do not all see one smooth surface; every pixel where there are fewer than 16 samples.
     Adaptive = 2,
 }
 
@@ -108,7 +111,8 @@ pub struct VoxdagSettings {
     pub ambient: [f32; 3],
     /// Linear colour where there is nothing.
     pub background: [f32; 3],
-    /// How high above a surface the rays start that leave it, in steps of voxels; 1 is just above its steps, 0 on them.
+    /// How high above a surface the rays start that leave it, in steps of voxels, 0 to 16; 1 is just above its steps, 0 on
+    /// them.
     pub lift: f32,
 }
 
@@ -209,8 +213,9 @@ pub unsafe extern "C" fn voxdag_render_rows(
         for (index, light) in given.iter().enumerate() {
             lights.push(light.checked().ok_or(Failure::Light { index: index as u64 })?);
         }
-        let needed = u64::from(end_row.saturating_sub(first_row)) * u64::from(settings.width);
-        // Of too few the renderer complains, after what else may be wrong with the size.
+        // Of rows that are not in the picture and of too few pixels the renderer complains; nothing is cleared for the former.
+        let rows = if end_row <= settings.height { end_row.saturating_sub(first_row) } else { 0 };
+        let needed = u64::from(rows) * u64::from(settings.width);
         let pixels = caller.cleared("pixels", pixels, needed.min(pixel_count as u64) as usize)?;
         let (palette, materials, grid) = (&scene.palette[..], scene.scene.looks(), scene.scene.grid);
         let drawn = with_tracer!(scene, tracer => {
@@ -242,16 +247,19 @@ impl VoxdagLight {
             1 => LightKind::Directional(self.position),
             _ => return None,
         };
-        let finite = self.position.iter().all(|x| x.is_finite()) && self.color.iter().all(|x| x.is_finite());
-        finite.then_some(Light { kind, color: self.color, shadow: self.shadow != 0 })
+        let is_somewhere = self.position.iter().all(|x| x.is_finite()) && (self.kind == 0 || self.position != [0.0; 3]);
+        let shines = self.color.iter().all(|x| x.is_finite() && *x >= 0.0);
+        (is_somewhere && shines).then_some(Light { kind, color: self.color, shadow: self.shadow != 0 })
     }
 }
 
 impl VoxdagSettings {
     fn checked(&self) -> Result<Settings, Failure> {
         let VoxdagSettings { width, height, ambient, background, lift, degrees, .. } = *self;
-        for (name, value) in [("ambient", ambient), ("background", background), ("lift", [lift; 3])] {
-            if !value.iter().all(|x| x.is_finite() && *x >= 0.0) {
+        for (name, value, most) in
+            [("ambient", ambient, f32::MAX), ("background", background, f32::MAX), ("lift", [lift; 3], MOST_LIFT)]
+        {
+            if !value.iter().all(|x| (0.0..=most).contains(x)) {
                 return Err(Failure::NotFinite { name });
             }
         }
@@ -259,6 +267,9 @@ impl VoxdagSettings {
             0 => Supersample::All,
             1 => {
                 let [x0, y0, x1, y1] = self.region;
+                if x0 > x1 || y0 > y1 {
+                    return Err(Failure::NotFinite { name: "region" });
+                }
                 Supersample::Region { from: [x0, y0], to: [x1, y1] }
             }
             2 if (0.0..=90.0).contains(&degrees) => Supersample::Adaptive { degrees },

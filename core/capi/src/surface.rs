@@ -66,7 +66,7 @@ pub unsafe extern "C" fn voxdag_normal(
 }
 
 /// The surface's directions at many hits, the same answers as one by one; fastest where hits that follow each other are
-/// near each other. Takes up to 20 KiB of stack, no heap.
+/// near each other. Takes up to 30 KiB of stack, no heap.
 ///
 /// voxels, faces: `count` items, as `voxdag_trace_many` wrote them. directions: 3 * count numbers, those of the rays.
 /// normals: room for 3 * count numbers.
@@ -170,7 +170,7 @@ pub(crate) fn normal_kind(number: u32) -> Result<NormalKind, Failure> {
 }
 
 /// Hits whose normals are worked out together.
-const CHUNK: usize = 256;
+const CHUNK: usize = 64;
 const MISS: Hit = Hit { voxel: Morton(0), from: None, t: 0.0, level: 0, face: Face::Inside };
 const NO_NORMAL: Normal = Normal { direction: [0.0; 3], confidence: voxdag::normal::Confidence::Face };
 

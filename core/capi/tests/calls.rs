@@ -362,6 +362,37 @@ fn normals_materials_and_colors_are_the_cores() {
     }
 }
 
+/// In a thread with little more stack than the header says (a thread takes some itself); with less it would abort.
+#[test]
+fn many_normals_take_no_more_stack_than_is_said() {
+    /// A scene that a thread may use.
+    struct Lent(*const VoxdagScene);
+    // SAFETY: the header says that any number of threads may.
+    unsafe impl Send for Lent {}
+    impl Lent {
+        fn scene(&self) -> *const VoxdagScene {
+            self.0
+        }
+    }
+    let words = scenes::words(Kind::Normals, 90);
+    let scene = Open::words(&words, u64::MAX);
+    let hits: Vec<_> = file::read(&words).unwrap().geometry.voxels().take(1000).map(|voxel| voxel.0).collect();
+    let (faces, directions) = (vec![5u8; hits.len()], [0.1, 0.2, -1.0f64].repeat(hits.len()));
+    let mut normals = vec![0.0f32; 3 * hits.len()];
+    std::thread::scope(|scope| {
+        let (lent, hits, faces, directions, normals) = (Lent(scene.0), &hits, &faces, &directions, &mut normals);
+        let call = move || {
+            for kind in 0..8 {
+                let (hits, faces) = (hits.as_ptr(), faces.as_ptr());
+                call!(voxdag_normals(lent.scene(), kind, 1000, hits, faces, directions.as_ptr(), normals.as_mut_ptr()));
+            }
+        };
+        let thread = std::thread::Builder::new().stack_size((30 + 8) << 10).spawn_scoped(scope, call);
+        thread.unwrap().join().unwrap();
+    });
+    assert!(normals.chunks(3).all(|normal| normal != [0.0; 3]));
+}
+
 #[test]
 fn voxels_have_places() {
     let mut rng = Rng::new(SEED);

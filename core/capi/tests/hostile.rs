@@ -412,6 +412,9 @@ fn pictures() {
         VoxdagSettings { ambient: [f32::NAN; 3], ..settings },
         VoxdagSettings { background: [-1.0; 3], ..settings },
         VoxdagSettings { lift: f32::INFINITY, ..settings },
+        VoxdagSettings { lift: 16.5, ..settings },
+        VoxdagSettings { supersample: 1, region: [3, 0, 2, 8], ..settings },
+        VoxdagSettings { supersample: 1, region: [0, 4, 2, 3], ..settings },
     ] {
         assert_eq!(fails_with(&camera, &[light], settings, [0, 8], 128).0, S::Argument, "{settings:?}");
     }
@@ -431,6 +434,8 @@ fn pictures() {
         VoxdagLight { kind: 2, ..light },
         VoxdagLight { position: [f64::NAN; 3], ..light },
         VoxdagLight { color: [f32::INFINITY; 3], ..light },
+        VoxdagLight { color: [1.0, -1.0, 1.0], ..light },
+        VoxdagLight { kind: 1, position: [0.0; 3], ..light },
     ];
     for wrong in wrong {
         let found = fails_with(&camera, &[light, wrong], settings, [0, 8], 128);

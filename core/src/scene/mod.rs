@@ -308,6 +308,10 @@ fn table_bytes(mode: MaterialMode, voxels: u64) -> u64 {
     }
 }
 
+fn voxels_of(dag: &Dag<'_>) -> u64 {
+    dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum()
+}
+
 /// Puts parts together.
 pub struct Join<'b, 'm> {
     build: &'b Build<'m>,
@@ -377,7 +381,7 @@ impl PendingMaterials<'_, '_> {
 
     /// Refuses what grows with the voxels, before it does; their number.
     fn afford_voxels(&self, dag: &Dag<'_>, mode: MaterialMode) -> Result<u64, SceneError> {
-        let voxels = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
+        let voxels = voxels_of(dag);
         self.afford(dag, table_bytes(mode, voxels))?;
         Ok(voxels)
     }
@@ -387,8 +391,7 @@ impl PendingMaterials<'_, '_> {
         if self.owners.colors.is_empty() {
             return Ok(None);
         }
-        let voxels: u64 = dag.bricks().map(|(_, mask)| u64::from(mask.count_ones())).sum();
-        self.afford(dag, voxels.saturating_mul(3))?;
+        self.afford(dag, voxels_of(dag).saturating_mul(3))?;
         let mut colors = self.owners.colors.iter().copied();
         let of = |material| if self.build.voxelizer.is_textured(material) { colors.next() } else { None };
         let buf = ColorsBuf::new(mode, self.entries(dag).map(|(_, entry)| entry.material).map(of))?;

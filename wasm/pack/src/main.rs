@@ -49,7 +49,8 @@ fn root() -> PathBuf {
 
 /// Where cargo puts what it builds.
 fn target() -> PathBuf {
-    env::var_os("CARGO_TARGET_DIR").map_or(root().join("target"), PathBuf::from)
+    let given = env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    given.map_or(root().join("target"), |given| std::path::absolute(&given).unwrap_or(given))
 }
 
 fn build() -> Result<(), Box<dyn Error>> {
