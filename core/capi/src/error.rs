@@ -115,7 +115,7 @@ pub(crate) enum Failure {
     Choice { name: &'static str, found: u32 },
     NotFinite { name: &'static str },
     Item { name: &'static str, position: u64, found: u64 },
-    TooSmall { needed: u64 },
+    TooSmall { needed: u64, unit: &'static str },
     Memory { needed: u64 },
     Panic,
     Load(LoadError),
@@ -183,7 +183,9 @@ impl fmt::Display for Failure {
             Failure::Choice { name, found } => write!(f, "{found} is no {name}"),
             Failure::NotFinite { name } => write!(f, "`{name}` has a number that is not finite, or out of range"),
             Failure::Item { name, position, found } => write!(f, "{found} is no {name} (number {position}, from 0)"),
-            Failure::TooSmall { needed } => write!(f, "the lent memory is too small: expected room for {needed}"),
+            Failure::TooSmall { needed, unit } => {
+                write!(f, "the lent memory is too small: expected room for {needed} {unit}")
+            }
             Failure::Memory { needed } => write!(f, "out of memory: {needed} bytes could not be had"),
             Failure::Panic => f.write_str("a defect of this library: the call ended half way"),
             Failure::Load(error) => error.fmt(f),
@@ -245,7 +247,7 @@ impl Failure {
             Failure::Count { .. } => (S::Count, NONE, 0),
             Failure::Choice { .. } | Failure::NotFinite { .. } => (S::Argument, NONE, 0),
             Failure::Item { position, .. } => (S::Argument, position, 0),
-            Failure::TooSmall { needed } => (S::TooSmall, NONE, needed),
+            Failure::TooSmall { needed, .. } => (S::TooSmall, NONE, needed),
             Failure::Memory { needed } => (S::Memory, NONE, needed),
             Failure::Panic => (S::Panic, NONE, 0),
             Failure::Load(error) => load(error),

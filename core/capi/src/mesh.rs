@@ -229,7 +229,7 @@ pub unsafe extern "C" fn voxdag_build(
         let needed = parts.file_len();
         caller.put("word_count", word_count, usize::try_from(needed).unwrap_or(usize::MAX))?;
         if (room as u64) < needed {
-            return Err(Failure::TooSmall { needed });
+            return Err(Failure::TooSmall { needed, unit: "words" });
         }
         parts.write_into(caller.cleared("words", words, needed as usize)?)?;
         Ok(())

@@ -305,7 +305,7 @@ pub unsafe extern "C" fn voxdag_scene_material_name(
         let name = caller.room("name", name.cast::<u8>(), room)?;
         let bytes = || scene.scene.name(id as MaterialId).bytes().chain([0]);
         if bytes().count() > name.len() {
-            return Err(Failure::TooSmall { needed: bytes().count() as u64 });
+            return Err(Failure::TooSmall { needed: bytes().count() as u64, unit: "bytes" });
         }
         name.iter_mut().zip(bytes()).for_each(|(place, byte)| *place = MaybeUninit::new(byte));
         Ok(())
