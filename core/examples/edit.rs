@@ -2,7 +2,7 @@
 //!
 //! A materials' table or tree is keyed by Morton codes, not by the DAG: voxels that stay keep theirs.
 //!
-//! `cargo run --release --example edit`
+//! `cargo run --release -p voxdag --features obj --example edit`
 
 use std::error::Error;
 use std::time::Instant;

@@ -1,6 +1,6 @@
 //! Several DAGs in one scene, each turned and moved as a rigid body: a ray goes into each object's own grid.
 //!
-//! `cargo run --release --example instances -- bodies.ppm` writes a picture.
+//! `cargo run --release -p voxdag --features obj --example instances -- bodies.pgm` writes a picture, grey.
 
 use std::error::Error;
 
@@ -91,7 +91,8 @@ fn bodies([frame, ball]: &[DagBuf; 2]) -> [Body<'_>; 2] {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let Some(path) = std::env::args().nth(1) else {
-        println!("name a file for the picture: bodies.ppm");
+        println!("name a file for the picture:");
+        println!("cargo run --release -p voxdag --features obj --example instances -- bodies.pgm");
         return Ok(());
     };
     let shapes = shapes()?;

@@ -1,6 +1,6 @@
 //! Own shading on hits: how much of the sky each place sees, by rays of its own. The engine's work is the tracing alone.
 //!
-//! `cargo run --release --example own_shading -- sky.ppm` writes a picture.
+//! `cargo run --release -p voxdag --features obj --example own_shading -- sky.pgm` writes a picture, grey.
 
 use std::error::Error;
 
@@ -61,7 +61,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         std::fs::write(&path, [header, draw(size, 1024)?].concat())?;
         println!("{path}");
     } else {
-        println!("name a file for the picture: sky.ppm");
+        println!("name a file for the picture:");
+        println!("cargo run --release -p voxdag --features obj --example own_shading -- sky.pgm");
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! A ray query: what a ray meets in a `.vxd` file, where, of which material, and which way it faces.
 //!
-//! `cargo run --release --example ray_query -- SCENE.vxd`
+//! `cargo run --release -p voxdag --features obj --example ray_query -- SCENE.vxd`; without a file on one of this repository.
 
 use std::error::Error;
 
@@ -22,9 +22,10 @@ fn look(scene: &Scene<'_>, from: [f64; 3], to: [f64; 3]) -> Option<String> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().find(|arg| arg.ends_with(".vxd")).unwrap_or(EXAMPLE.into());
-    let words = file::words_from_bytes(&std::fs::read(path)?)?;
-    let scene = file::read(&words)?;
+    let path = std::env::args().nth(1).unwrap_or(EXAMPLE.into());
+    let bytes = std::fs::read(&path).map_err(|error| format!("{path}: {error}"))?;
+    let words = file::words_from_bytes(&bytes).map_err(|error| format!("{path}: {error}"))?;
+    let scene = file::read(&words).map_err(|error| format!("{path}: {error}"))?;
     // From the default view's eye to the middle of the first filled voxel: whatever comes first on the way.
     let from = Camera::framing(&scene.bounds, scene.up).eye;
     let first = scene.geometry.voxels().next().ok_or("the scene is empty")?;

@@ -1,6 +1,6 @@
 //! Lines of sight, walls between two places, and how far a ball can move: for physics, audio and games.
 //!
-//! `cargo run --release --example sight`
+//! `cargo run --release -p voxdag --features obj --example sight`
 
 use std::error::Error;
 
@@ -129,7 +129,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         ("through the wall", [2.0, 8.0, 5.0], [30.0, 8.0, 5.0]),
     ] {
         println!(
-            "{what}: {}, {} voxels between; a ball of 3 voxels gets {:.0} %, one of 5 {:.0} % of the way",
+            "{what}, from {from:?} to {to:?}: {}, {} voxels between; of this way a ball with a radius of 3 voxels gets {:.0} %, \
+             with one of 5 {:.0} %",
             if sees(&tracer, from, to) { "in sight" } else { "out of sight" },
             voxels_between(&tracer, from, to),
             100.0 * sweep(&wall.dag(), 3.0, from, to),

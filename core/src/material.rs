@@ -26,7 +26,9 @@ pub struct Material {
     pub refraction: f32,
     /// illum: the MTL illumination model, 0 to 10.
     pub illum: u8,
-    /// map_Kd: Ka and Kd are multiplied by the colour that each voxel has of its texture.
+    /// map_Kd: Ka and Kd are multiplied by the colour that each voxel has of its texture. Voxels have one where the scene was
+    /// built with the pictures ([`Build::with_textures`](crate::scene::Build::with_textures)) and the mesh has texture
+    /// coordinates ([`Mesh::uvs`](crate::Mesh::uvs)).
     pub textured: bool,
 }
 

@@ -15,7 +15,9 @@ pub struct Mesh<'a> {
     pub materials: &'a [u16],
     /// Place of each material id among the sorted names, for ties between triangles; empty means the id itself.
     pub name_order: &'a [u16],
-    /// Texture coordinates per triangle and corner, NaN where the file gave none; empty means none at all.
+    /// Texture coordinates per triangle and corner, NaN where the file gave none; empty means none at all. (0, 0) is the lower
+    /// left corner of the picture, v goes up. Read where pictures are given:
+    /// [`Build::with_textures`](crate::scene::Build::with_textures).
     pub uvs: &'a [[[f32; 2]; 3]],
     /// Normals per triangle and corner, NaN where the file gave none; empty means none at all.
     pub normals: &'a [[[f32; 3]; 3]],

@@ -17,7 +17,7 @@ use crate::trace::{Hit, Tracer};
 /// `hits[i]` and `dirs[i]`, bit for bit, as far as all three reach. Fastest where hits that follow each other are
 /// neighbours.
 ///
-/// `level` says with which vectors planes are fitted (`Plane1`, `Plane2`, `Plane3`); `None`: one by one. Takes 12 KiB
+/// `level` says with which vectors planes are fitted (`Plane1`, `Plane2`, `Plane3`); `None`: one by one. Takes 20 KiB
 /// of stack.
 pub fn normals<G: Geometry, M: Materials>(
     level: Option<Level>,

@@ -38,7 +38,7 @@ pub trait Kernel {
     fn follows(_rays: &[Query], _to_light: bool) {}
 }
 
-/// What no ray but the camera's is needed for: highlights, and light of its own.
+/// What no ray but the camera's is needed for: highlights, and light of its own, which [`Effects::PHONG`] is without.
 #[derive(Clone, Copy, Debug)]
 pub struct Phong;
 

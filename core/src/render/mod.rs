@@ -66,8 +66,9 @@ pub struct Settings {
     pub background: [f32; 3],
     /// Effects that may be drawn: of these the ones that materials and lights call for ([`Effects::needed`]).
     pub effects: Effects,
-    /// How high above a surface the rays start that leave it, along its fitted normal, where the way there is free: 1 is as
-    /// high as its steps can be, `|nx| + |ny| + |nz|` voxels along the unit normal n. 0 is on the steps, exact by index.
+    /// How high above a surface the rays start that leave it, along its fitted normal, where the way there is free: 1 is just
+    /// above its steps, `|nx| + |ny| + |nz|` voxels along the unit normal n and a thousandth more. 0 is on the steps, exact by
+    /// index.
     pub lift: f32,
 }
 

@@ -197,7 +197,9 @@ impl<'m> Build<'m> {
         Ok(build)
     }
 
-    /// With the textures of the materials, by id: colours ([`Built::colors`]) and what is cut out.
+    /// With the textures of the materials, by id: colours ([`Built::colors`], and with the materials [`Built::looks`]) and what
+    /// is cut out. They lie where [`Mesh::uvs`] says, and are drawn on materials that are
+    /// [`textured`](crate::Material::textured). `core/examples/textured.rs` shows all of it.
     pub fn with_textures(mut self, textures: &'m [Maps]) -> Build<'m> {
         self.voxelizer = self.voxelizer.with_textures(textures);
         self
