@@ -11,7 +11,7 @@
 set -euo pipefail
 cd "$(dirname "$0")"
 
-ALL=(lock fmt clippy doc no_std wasm fuzz_builds demo web selftest test targets gpu miri)
+ALL=(lock fmt mutants_fit clippy doc no_std wasm fuzz_builds demo web selftest test targets gpu miri)
 
 # The lock files are committed and fit their manifests.
 check_lock() {
@@ -192,6 +192,14 @@ check_fuzz() {
 }
 
 # Every rule and check taken away in turn: does a test notice? Minutes; python3 needed.
+check_mutants_fit() {
+    if ! command -v python3 >/dev/null; then
+        echo "SKIPPED: whether the mutants fit the sources, as python3 is missing"
+        return
+    fi
+    tests/mutants/run.py --check
+}
+
 check_mutants() {
     tests/mutants/run.py "$@"
 }

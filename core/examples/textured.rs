@@ -23,7 +23,7 @@ fn maps() -> Result<Maps, ImageError> {
     // Rows from the top.
     let pixels = (0..SIDE * SIDE).map(|i| pixel(i % SIDE, i / SIDE)).collect();
     let chequers = Texture::new(Arc::new(Image::new(SIDE, SIDE, pixels)?), Placement::default());
-    Ok(Maps { diffuse: Some(chequers), dissolve: None })
+    Maps::new(Some(chequers), None)
 }
 
 /// What a [`Mesh`] borrows.

@@ -3,6 +3,7 @@
 
     tests/mutants/run.py              every mutant of mutants.txt
     tests/mutants/run.py "dag: "      those whose names fit a regular expression
+    tests/mutants/run.py --check      whether the list fits the sources, which takes no time
 
 All mutants are built at once, into a copy of the committed tree (HEAD) under the folder MUTANTS_DIR (/tmp/voxdag-mutants):
 each is a condition that holds only while the environment variable VOXDAG_MUTANT is its number. So one build is enough, and
@@ -79,8 +80,8 @@ def mutate(source, path, old, new):
     return source[: found[0].start()] + "\n".join(new) + source[found[0].end() :]
 
 
-def prepare():
-    """Copies the tree, changed, and gives the mutants."""
+def change():
+    """The files of the tree, changed, by path; and the mutants."""
     archive = subprocess.run(["git", "archive", "HEAD"], cwd=ROOT, stdout=subprocess.PIPE, check=True).stdout
     with tarfile.open(fileobj=io.BytesIO(archive)) as tar:
         files = {member.name: tar.extractfile(member).read() for member in tar if member.isfile()}
@@ -103,6 +104,12 @@ def prepare():
         fail(f"equivalent, but no mutants: {unknown}")
     library = files["core/src/lib.rs"].decode().replace('#[cfg(feature = "std")]\nextern crate std;', "extern crate std;")
     files["core/src/lib.rs"] = (library + SWITCH).encode()
+    return files, mutants
+
+
+def prepare():
+    """Copies the tree, changed, and gives the mutants."""
+    files, mutants = change()
     # What is the same is left alone, so that cargo builds no more than it must.
     for path, content in files.items():
         file = COPY / path
@@ -182,6 +189,9 @@ def report(mutants, seconds, tests_commit):
 
 def main():
     only = sys.argv[1] if len(sys.argv) > 1 else ""
+    if only == "--check":
+        print(f"{len(change()[1])} mutants fit the sources")
+        return
     start = time.monotonic()
     mutants = prepare()
     binaries = build()
