@@ -191,7 +191,7 @@ check_fuzz() {
     done
 }
 
-# Every rule and check taken away in turn: does a test notice? Minutes; python3 needed.
+# What the mutants change is still there, once each.
 check_mutants_fit() {
     if ! command -v python3 >/dev/null; then
         echo "SKIPPED: whether the mutants fit the sources, as python3 is missing"
@@ -200,6 +200,7 @@ check_mutants_fit() {
     tests/mutants/run.py --check
 }
 
+# Every rule and check taken away in turn: does a test notice? Minutes; python3 needed.
 check_mutants() {
     tests/mutants/run.py "$@"
 }
