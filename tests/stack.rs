@@ -28,7 +28,7 @@ const BURNT: usize = 64;
 /// Calls, and the KiB that they are said to take at most.
 const CASES: [(&str, usize); 9] = [
     ("one ray", 8),
-    ("rays in blocks", 12),
+    ("rays in blocks", 10),
     ("many rays", 100),
     ("a tile", 100),
     ("many normals", 20),

@@ -12,9 +12,11 @@ use voxdag::build::DagBuf;
 use voxdag::camera::Camera;
 use voxdag::materials::{AnyMaterials, Materials, MaterialsBuf};
 use voxdag::scene::{Build, Built, MaterialMode, Options};
+use voxdag::simd::Level;
 use voxdag::ssvdag::SsvdagBuf;
 use voxdag::trace::{Arithmetic, Hit, Query, TopBuf, Tracer};
 use voxdag::voxelize::{Cover, VoxelizeError, Voxelizer};
+use voxdag::wide::WideBuf;
 use voxdag::{Geometry, Grid, Mesh, Morton};
 
 fn main() {
@@ -120,6 +122,16 @@ mod kernel {
     }
 
     #[inline(never)]
+    pub fn trace_many<G: Geometry>(tracer: &Tracer<'_, G>, rays: &[Query], len: usize) -> u64 {
+        let (mut hits, mut sum) = (vec![None; len], 0u64);
+        for rays in rays.chunks(len) {
+            tracer.trace_many(Arithmetic::Exact, rays, &mut hits);
+            sum = hits[..rays.len()].iter().map(|hit| hit.map_or(1, |hit| hit.voxel.0)).fold(sum, u64::wrapping_add);
+        }
+        sum
+    }
+
+    #[inline(never)]
     pub fn occluded(tracer: &Tracer<'_>, rays: &[Query]) -> u64 {
         rays.iter().map(|q| u64::from(tracer.occluded(Arithmetic::Exact, q))).sum()
     }
@@ -165,6 +177,19 @@ mod kernel {
 fn primary(bencher: Bencher<'_, '_>, arithmetic: Arithmetic) {
     let (tracer, rays) = (SCENE.tracer(), &SCENE.rays);
     bencher.counter(ItemsCount::new(rays.len())).bench(|| kernel::trace(&tracer, arithmetic, rays));
+}
+
+/// The same rays by a wide tree, and vectors with `--features std`, in lists of so many; 0: one by one.
+#[divan::bench(args = [0, 1, 4, 8, 15, 16, 64, 1024])]
+fn primary_in_lists(bencher: Bencher<'_, '_>, len: usize) {
+    let wide = WideBuf::new(&SCENE.dag.dag(), usize::MAX).unwrap();
+    let top = TopBuf::new(&wide.as_wide(), 4).unwrap();
+    let tracer = Tracer::with_top(wide.as_wide(), top.as_top()).unwrap().with_level(Level::best());
+    let rays = &SCENE.rays;
+    bencher.counter(ItemsCount::new(rays.len())).bench(|| match len {
+        0 => kernel::trace(&tracer, Arithmetic::Exact, rays),
+        _ => kernel::trace_many(&tracer, rays, len),
+    });
 }
 
 #[divan::bench]

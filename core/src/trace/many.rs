@@ -65,7 +65,7 @@ impl Columns<'_> {
     }
 }
 
-impl<G: Geometry> Tracer<'_, G> {
+impl<'g, G: Geometry> Tracer<'g, G> {
     /// Traces every query; `hits[i]` becomes the answer to `queries[i]`, as far as both slices reach.
     ///
     /// ```
@@ -79,11 +79,11 @@ impl<G: Geometry> Tracer<'_, G> {
     /// tracer.trace_many(Arithmetic::Exact, &rays, &mut hits);
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
-    #[inline(never)] // its columns are not to be room of the caller's
+    #[inline]
     pub fn trace_many(&self, arithmetic: Arithmetic, queries: &[Query], hits: &mut [Option<Hit>]) {
-        match packet::Packets::of(self, arithmetic) {
+        let count = queries.len().min(hits.len());
+        match self.packets(arithmetic, count) {
             Some(packets) => {
-                let count = queries.len().min(hits.len());
                 packets.trace(&packet::Made { count, ray: |i| queries[i] }, |i, hit| hits[i] = hit);
             }
             // In place: a copy of each costs some percent.
@@ -113,9 +113,12 @@ impl<G: Geometry> Tracer<'_, G> {
         ray: impl Fn(usize) -> Query,
         put: impl FnMut(usize, Option<Hit>),
     ) {
-        match packet::Packets::of(self, arithmetic) {
+        match self.packets(arithmetic, count) {
             Some(packets) => packets.trace(&packet::Made { count, ray }, put),
-            None => in_blocks(count, ray, None, |rays, hits| self.trace_many(arithmetic, rays, hits), put),
+            None => {
+                let one = |ray: &Query| self.trace(arithmetic, ray);
+                in_blocks(count, ray, None, one, put);
+            }
         }
     }
 
@@ -154,11 +157,11 @@ impl<G: Geometry> Tracer<'_, G> {
     /// tracer.trace_tile(Arithmetic::Exact, &tile, &mut hits);
     /// assert_eq!(hits.map(|hit| hit.map(|hit| hit.t)), [Some(4.0), None]);
     /// ```
-    #[inline(never)] // its columns are not to be room of the caller's
+    #[inline]
     pub fn trace_tile(&self, arithmetic: Arithmetic, tile: &Tile<'_>, hits: &mut [Option<Hit>]) {
-        match packet::Packets::of(self, arithmetic) {
+        let count = tile.places.len().min(hits.len());
+        match self.packets(arithmetic, count) {
             Some(packets) => {
-                let count = tile.places.len().min(hits.len());
                 packets.trace(&Tile { places: &tile.places[..count], ..*tile }, |i, hit| hits[i] = hit);
             }
             None => tile.places.iter().zip(hits).for_each(|(place, hit)| {
@@ -181,11 +184,11 @@ impl<G: Geometry> Tracer<'_, G> {
     /// tracer.occluded_many(Arithmetic::Exact, &rays, &mut blocked);
     /// assert_eq!(blocked, [true, false]);
     /// ```
-    #[inline(never)] // its columns are not to be room of the caller's
+    #[inline]
     pub fn occluded_many(&self, arithmetic: Arithmetic, queries: &[Query], blocked: &mut [bool]) {
-        match packet::Packets::of(self, arithmetic) {
+        let count = queries.len().min(blocked.len());
+        match self.packets(arithmetic, count) {
             Some(packets) => {
-                let count = queries.len().min(blocked.len());
                 packets.occluded(&packet::Made { count, ray: |i| queries[i] }, |i, answer| blocked[i] = answer);
             }
             None => {
@@ -203,9 +206,12 @@ impl<G: Geometry> Tracer<'_, G> {
         ray: impl Fn(usize) -> Query,
         put: impl FnMut(usize, bool),
     ) {
-        match packet::Packets::of(self, arithmetic) {
+        match self.packets(arithmetic, count) {
             Some(packets) => packets.occluded(&packet::Made { count, ray }, put),
-            None => in_blocks(count, ray, false, |rays, blocked| self.occluded_many(arithmetic, rays, blocked), put),
+            None => {
+                let one = |ray: &Query| self.occluded(arithmetic, ray);
+                in_blocks(count, ray, false, one, put);
+            }
         }
     }
 
@@ -214,24 +220,36 @@ impl<G: Geometry> Tracer<'_, G> {
         let count = rays.len().min(blocked.len());
         self.occluded_each(arithmetic, count, |i| rays.query(i), |i, answer| blocked[i] = answer);
     }
+
+    /// What so many rays are traced by; `None` if they are traced one by one.
+    fn packets(&self, arithmetic: Arithmetic, count: usize) -> Option<packet::Packets<'_, 'g, G>> {
+        if count < FEWEST { None } else { packet::Packets::of(self, arithmetic) }
+    }
 }
 
+/// Rays from which on vectors are faster than one ray after the other: what they need is laid out once a call. Measured: 12
+/// to 15 at every level.
+const FEWEST: usize = 16;
+
 /// Answers rays that do not lie in memory as queries: as many are put there as this, as one that was written just before it is
-/// read is slow to read.
+/// read is slow to read. For fewer than half of that it takes longer to make room.
 #[inline]
 fn in_blocks<T: Copy>(
     count: usize,
     ray: impl Fn(usize) -> Query,
     none: T,
-    many: impl Fn(&[Query], &mut [T]),
+    one: impl Fn(&Query) -> T,
     mut put: impl FnMut(usize, T),
 ) {
-    const BLOCK: usize = 32;
+    const BLOCK: usize = 8;
+    if count < BLOCK / 2 {
+        return (0..count).for_each(|i| put(i, one(&ray(i))));
+    }
     let (mut queries, mut answers) = ([Query::new([0.0; 3], [0.0; 3]); BLOCK], [none; BLOCK]);
     for from in (0..count).step_by(BLOCK) {
         let len = BLOCK.min(count - from);
         queries[..len].iter_mut().zip(from..).for_each(|(query, i)| *query = ray(i));
-        many(&queries[..len], &mut answers);
+        answers[..len].iter_mut().zip(&queries).for_each(|(answer, query)| *answer = one(query));
         answers[..len].iter().zip(from..).for_each(|(answer, i)| put(i, *answer));
     }
 }

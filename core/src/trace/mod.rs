@@ -152,7 +152,7 @@ impl<'a, G: Geometry> Tracer<'a, G> {
         self.level
     }
 
-    /// What many rays at once are traced by; `None` if they are traced one by one.
+    /// What many rays at once are traced by, if they are 16 or more; `None` if they are traced one by one.
     pub fn packet_level(&self) -> Option<Level> {
         packet::Packets::of(self, Arithmetic::Exact).and(self.level)
     }

@@ -72,6 +72,7 @@ impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
     }
 
     /// The nearest hit of every ray, in order.
+    #[inline(never)] // its columns are not to be room of the caller's
     pub(super) fn trace(&self, source: &impl Source, mut put: impl FnMut(usize, Option<Hit>)) {
         let mut found = Found::ZERO;
         self.each_chunk(source, |from, rays, ends| {
@@ -88,6 +89,7 @@ impl<'a, 'g, G: Geometry> Packets<'a, 'g, G> {
     }
 
     /// Whether every ray hits, in order.
+    #[inline(never)] // as above
     pub(super) fn occluded(&self, source: &impl Source, mut put: impl FnMut(usize, bool)) {
         self.each_chunk(source, |from, rays, ends| {
             for k in 0..rays.len.min(CHUNK) {
